@@ -1,0 +1,1 @@
+"""Declarative battery charging studies: configuration in, charge traces, figures and verdicts out."""
