@@ -1,0 +1,52 @@
+# `make all` and `make test` set up everything they need; Python 3.11 is all that must be there.
+PYTHON ?= python3.11
+VENV := .venv
+BIN := $(VENV)/bin
+CORES ?= 2
+
+.PHONY: all test test-slow lint bench setup setup-dev lock clean help
+
+all: setup ## run every study: results/ and reports/
+	$(BIN)/snakemake --cores $(CORES) all
+
+test: setup-dev ## run the tests
+	$(BIN)/python -m pytest -n $(CORES)
+
+test-slow: setup-dev ## run the tests that take minutes
+	$(BIN)/python -m pytest -n $(CORES) -m slow
+
+lint: setup-dev ## style, types, workflow
+	$(BIN)/ruff check .
+	$(BIN)/ruff format --check .
+	$(BIN)/mypy
+	$(BIN)/snakefmt --check Snakefile workflow
+	$(BIN)/snakemake --lint
+
+bench: setup-dev ## time the charge engine
+	$(BIN)/python benchmarks/edge.py
+
+setup: $(VENV)/.runtime ## virtual environment with the runtime packages
+setup-dev: $(VENV)/.dev ## the same with the tools of development
+
+$(VENV)/.runtime: requirements.lock pyproject.toml
+	test -x $(BIN)/python || $(PYTHON) -m venv $(VENV)
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check --require-hashes -r requirements.lock
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check --no-deps --no-build-isolation --editable .
+	touch $@
+
+$(VENV)/.dev: $(VENV)/.runtime requirements-dev.lock
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check --require-hashes -r requirements-dev.lock
+	touch $@
+
+lock: ## renew the lock files (needs uv)
+	uv pip compile --quiet --no-header --no-annotate --generate-hashes --python-version 3.11 \
+		pyproject.toml --extra build -o requirements.lock
+	uv pip compile --quiet --no-header --no-annotate --generate-hashes --python-version 3.11 \
+		pyproject.toml --extra build --extra dev -c requirements.lock -o requirements-dev.lock
+
+clean: ## remove what runs made; keeps the virtual environment
+	chmod -R u+w results reports 2>/dev/null || true
+	git clean -fdxq results reports .snakemake .cache
+
+help: ## list the targets
+	@grep -E '^[a-z-]+:.*##' $(MAKEFILE_LIST) | sed 's/:.*##/:/' | column -t -s:

@@ -1,0 +1,1 @@
+"""The words that `python -m pipeline` understands, one module each."""

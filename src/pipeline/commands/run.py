@@ -1,0 +1,79 @@
+"""`python -m pipeline [run] [key=value ...]`: one run, or with -m a sweep, as one plan and one workflow."""
+
+from __future__ import annotations
+
+import argparse
+import subprocess
+import sys
+from collections.abc import Sequence
+from pathlib import Path
+
+from pipeline import planfile, store
+from pipeline.config.compose import compose_tree, expand, groups, options
+from pipeline.digest import PROJECT
+from pipeline.errors import UserError
+from pipeline.plan import make_plan
+
+EXAMPLES = """\
+examples:
+  python -m pipeline                                            the default study
+  python -m pipeline battery=lead_acid_12v18ah                  another battery
+  python -m pipeline modes.cv_reflex.frequency_hz=50            another pulse frequency
+  python -m pipeline 'modes.run=[cc_cv,cv_reflex]'              two modes only
+  python -m pipeline -m battery=lead_acid_12v7ah,lead_acid_12v18ah   a sweep: one plan, shared steps once
+"""
+
+
+def main(arguments: Sequence[str]) -> int:
+    """Compose, plan and run; return Snakemake's exit code."""
+    parser = _parser()
+    options_, overrides = parser.parse_known_intermixed_args(arguments)
+    unknown = [word for word in overrides if word.startswith("-")]
+    if unknown:
+        raise UserError(f"option {unknown[0]}: unknown; see python -m pipeline --help")
+    words = [*options_.overrides, *overrides]
+    runs = expand(words) if options_.multirun else [words]
+    if options_.cfg:
+        for run in runs:
+            _show(run)
+        return 0
+    plan = make_plan(runs)
+    file = planfile.save(plan, store.RESULTS)
+    print(f"plan {file}: {len(runs)} run{'s' * (len(runs) != 1)}, {len(plan['nodes'])} artefacts, "
+          f"{len(plan['chunks'])} jobs at most", flush=True)
+    return _snakemake(file, options_)
+
+
+def _parser() -> argparse.ArgumentParser:
+    available = "\n".join(f"  {group:<12} {', '.join(options(group))}" for group in groups())
+    parser = argparse.ArgumentParser(
+        prog="python -m pipeline",
+        description="Battery charging studies. Other words: compare, report, store (each has --help).",
+        epilog=f"{EXAMPLES}\nconfiguration groups (group=option):\n{available}",
+        formatter_class=argparse.RawDescriptionHelpFormatter,
+    )
+    parser.add_argument("overrides", nargs="*", metavar="key=value", help="Hydra overrides of conf/")
+    parser.add_argument("-m", "--multirun", action="store_true", help="sweep over comma-separated values")
+    parser.add_argument("-c", "--cores", default="2", help="cores Snakemake may use (%(default)s)")
+    parser.add_argument("-n", "--dry-run", action="store_true", help="show what would run")
+    parser.add_argument("-F", "--force", action="store_true", help="compute everything again and compare")
+    parser.add_argument("-t", "--target", default="all", help="all, panel, charges, figures, report, or a study")
+    parser.add_argument("--cfg", action="store_true", help="print the composed configuration and stop")
+    return parser
+
+
+def _show(run: Sequence[str]) -> None:
+    import yaml
+
+    from pipeline.config.study import study_from
+
+    study = study_from(compose_tree(run))
+    print(yaml.safe_dump(study.configuration, sort_keys=False, allow_unicode=True))
+
+
+def _snakemake(plan: Path, choices: argparse.Namespace) -> int:
+    command = [sys.executable, "-m", "snakemake", "--snakefile", str(PROJECT / "Snakefile")]
+    command += ["--profile", str(PROJECT / "profiles" / "default"), "--cores", str(choices.cores)]
+    command += ["--dry-run"] * choices.dry_run + ["--forceall"] * choices.force
+    command += [choices.target, "--config", f"plan={plan}"]
+    return subprocess.run(command, check=False).returncode

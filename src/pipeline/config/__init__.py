@@ -1,0 +1,1 @@
+"""Composes `conf/` with Hydra, validates it, and tells where every value came from."""

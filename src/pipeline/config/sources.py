@@ -1,0 +1,168 @@
+"""Where every parameter comes from: the `sources:` beside the values, taken out before the values are used."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from typing import Any, Literal
+
+from pydantic import ValidationError, model_validator
+
+from pipeline.config.compose import Composed
+from pipeline.config.messages import explain
+from pipeline.errors import UserError, best_matches
+from pipeline.record import Record
+
+Kind = Literal["published", "data_sheet", "derived", "estimate", "calibrated", "override", "found"]
+
+
+class Source(Record):
+    """Where a value comes from; `to` names the published statement a value was calibrated to."""
+
+    kind: Kind
+    ref: str = ""
+    to: str | None = None
+    range: tuple[float, float] | None = None
+
+    @model_validator(mode="after")
+    def _complete(self) -> Source:
+        if self.kind == "calibrated" and not self.to:
+            raise ValueError("a calibrated value must say `to` which published statement")
+        if self.kind in ("published", "data_sheet", "derived") and not self.ref:
+            raise ValueError(f"a {self.kind} value needs a `ref`")
+        if self.range is not None and not self.range[0] < self.range[1]:
+            raise ValueError(f"range {list(self.range)} must rise")
+        return self
+
+
+def split(tree: Mapping[str, Any], path: str = "") -> tuple[dict[str, Any], dict[str, Any]]:
+    """Take every `sources` mapping out of a tree.
+
+    Returns
+    -------
+    The tree without them, and key path -> source as written.
+    """
+    values: dict[str, Any] = {}
+    found: dict[str, Any] = {}
+    for key, value in tree.items():
+        here = f"{path}.{key}" if path else str(key)
+        if key == "sources":
+            found.update(_flat(value or {}, path))
+        elif isinstance(value, Mapping):
+            values[key], below = split(value, here)
+            found.update(below)
+        else:
+            values[key] = value
+    return values, found
+
+
+def leaves(values: Any, path: str) -> Iterator[tuple[str, Any]]:
+    """Yield key path and value of every number, list of numbers, and reference below `path`."""
+    if isinstance(values, Mapping):
+        if set(values) == {"from", "value"}:
+            yield path, values
+            return
+        for key, value in values.items():
+            yield from leaves(value, f"{path}.{key}" if path else str(key))
+    elif isinstance(values, list | tuple):
+        if values and all(_is_number(value) for value in values):
+            yield path, list(values)
+        else:
+            for index, value in enumerate(values):
+                yield from leaves(value, f"{path}.{index}")
+    elif _is_number(values):
+        yield path, values
+
+
+def attribute(
+    composed: Composed, values: Mapping[str, Any], written: Mapping[str, Any], sections: tuple[str, ...]
+) -> dict[str, Source]:
+    """Give every parameter its source.
+
+    Arguments
+    ---------
+    values : the tree without sources.
+    written : key path -> source as written, from `split`.
+    sections : key paths below which every number needs a source.
+
+    Returns
+    -------
+    Key path of every number below `sections` -> its source; an overridden value's source is `override`.
+
+    Raises
+    ------
+    UserError : a number without a source, a source for a key that is not there, a source that does not read.
+    """
+    records = {path: _record(composed, path, source) for path, source in written.items()}
+    named = [path for path in records if any(path == s or path.startswith(s + ".") for s in sections)]
+    for path in named:
+        _check_names_a_value(composed, values, path)
+    result: dict[str, Source] = {}
+    missing: list[str] = []
+    for section in sections:
+        for path, value in leaves(_at(values, section), section):
+            word = composed.overridden(path)
+            if word is not None:
+                result[path] = Source(kind="override", ref=word)
+            elif isinstance(value, Mapping):
+                result[path] = Source(kind="found", ref=f"{value['value']} of {value['from']}")
+            elif (source := _covering(records, path)) is not None:
+                result[path] = source
+            else:
+                missing.append(f"  {composed.origin(path)}: {path} = {value}")
+    if missing:
+        raise UserError(
+            "parameters without a source (add it to `sources:` beside the value, "
+            "{kind: published | data_sheet | derived | estimate | calibrated, ref: ...}):\n" + "\n".join(missing)
+        )
+    return result
+
+
+def _flat(sources: Mapping[str, Any], path: str) -> dict[str, Any]:
+    found: dict[str, Any] = {}
+    for key, value in sources.items():
+        here = f"{path}.{key}" if path else str(key)
+        if isinstance(value, Mapping) and "kind" not in value:
+            found.update(_flat(value, here))
+        else:
+            found[here] = value
+    return found
+
+
+def _record(composed: Composed, path: str, source: Any) -> Source:
+    try:
+        return Source.model_validate(source)
+    except ValidationError as error:
+        raise explain(error, {"source": source}, f"source of {path}", composed.origin(path)) from None
+
+
+def _check_names_a_value(composed: Composed, values: Mapping[str, Any], path: str) -> None:
+    here: Any = values
+    keys = path.split(".")
+    for depth, key in enumerate(keys):
+        if isinstance(here, Mapping) and key in here:
+            here = here[key]
+            continue
+        parent = ".".join(keys[:depth])
+        known = list(here) if isinstance(here, Mapping) else []
+        raise UserError(f"{composed.origin(parent)}: sources of {parent} name {key!r}, which is no key there; "
+                        f"{best_matches(key, known)}")
+
+
+def _covering(records: Mapping[str, Source], path: str) -> Source | None:
+    keys = path.split(".")
+    for depth in range(len(keys), 0, -1):
+        source = records.get(".".join(keys[:depth]))
+        if source is not None:
+            return source
+    return None
+
+
+def _at(values: Mapping[str, Any], path: str) -> Any:
+    here: Any = values
+    for key in path.split("."):
+        here = here.get(key, {}) if isinstance(here, Mapping) else {}
+    return here
+
+
+def _is_number(value: Any) -> bool:
+    return isinstance(value, int | float) and not isinstance(value, bool)

@@ -1,0 +1,184 @@
+"""The root record of a study: every group of `conf/`, assembled and checked against one another."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
+from typing import Any
+
+from pydantic import Field, ValidationError
+
+from pipeline.cell.records import Battery
+from pipeline.charge import checks as charge_checks
+from pipeline.charge.records import ChargeSettings, EngineSettings, Mode
+from pipeline.config.compose import Composed, options
+from pipeline.config.messages import explain
+from pipeline.config.sources import Source, attribute, leaves, split
+from pipeline.converter import checks as supply_checks
+from pipeline.converter.records import Load, PowerChain
+from pipeline.errors import UserError, best_matches
+from pipeline.panel.records import Panel, PanelCurveSettings, Weather
+from pipeline.published import checks as published_checks
+from pipeline.published.records import Statement
+from pipeline.record import Record
+from pipeline.report.records import FigureCard
+
+
+class StudyCard(Record):
+    """What a study is called and which paper it follows."""
+
+    name: str = Field(pattern=r"^[a-z][a-z0-9_]*$", description="name of the study, also of its folders")
+    title: str
+    question: str = Field(description="what the study asks, in a sentence")
+    paper: str = Field(description="citation of the paper it follows")
+    doi: str = Field(default="", description="the paper's DOI, where it has one")
+
+
+class Comparison(Record):
+    """How modes are made comparable."""
+
+    title: str
+    mean_current_of: str | None = Field(
+        default=None, description="mode whose constant current every pulsed mode's mean is set to; none: as configured"
+    )
+
+
+class Study(Record):
+    """A whole study. Parts that a study does without stay empty."""
+
+    study: StudyCard
+    seed: int = Field(ge=0, description="root of every random stream")
+    panel: Panel | None = None
+    panel_curves: PanelCurveSettings = PanelCurveSettings()
+    weather: Weather | None = None
+    converter: PowerChain | None = None
+    load: Load | None = None
+    battery: Battery
+    modes: dict[str, Mode]
+    run: tuple[str, ...] = Field(min_length=1, description="names of the modes that are charged")
+    comparisons: dict[str, Comparison] = Field(min_length=1)
+    charge: ChargeSettings
+    engine: EngineSettings = EngineSettings()
+    figures: dict[str, FigureCard] = Field(default_factory=dict)
+    published: dict[str, Statement] = Field(default_factory=dict)
+    sources: dict[str, Source]
+    overrides: tuple[str, ...] = ()
+    configuration: dict[str, Any] = Field(description="the composed configuration as plain data")
+
+    def parameter_sections(self) -> tuple[str, ...]:
+        """Return the key paths below which every number is a physical parameter with a source."""
+        return sections(self.run)
+
+    def parameters(self, section: str) -> Iterator[tuple[str, Any]]:
+        """Yield key path and value of every parameter below a section."""
+        here: Any = self.configuration
+        for key in section.split("."):
+            here = here.get(key, {})
+        return leaves(here, section)
+
+
+def sections(run: tuple[str, ...]) -> tuple[str, ...]:
+    """Return the sections of the configuration that hold physical parameters, for the modes that are run."""
+    modes = tuple(f"modes.{name}" for name in run)
+    return ("panel", "weather", "converter", "load", "battery", *modes, "charge.initial_soc", "charge.ambient_c")
+
+
+def study_from(composed: Composed) -> Study:
+    """Validate a composed configuration.
+
+    Raises
+    ------
+    UserError : the first kind of mistake found, each instance with file, key path, value and what is allowed.
+    """
+    values, written = split(composed.tree)
+    values = _choose_modes(composed, values)
+    taken = {path: source for path, source in written.items() if not _unused_mode(path, values)}
+    sources = attribute(composed, values, taken, sections(tuple(values["run"])))
+    try:
+        study = Study(
+            **{key: value for key, value in values.items() if key in Study.model_fields},
+            **_unknown(values),
+            sources=sources,
+            overrides=composed.overrides,
+            configuration=values,
+        )
+    except ValidationError as error:
+        raise explain(error, values, "", composed.origin, Study) from None
+    _check_together(composed, study)
+    return study
+
+
+def _unknown(values: Mapping[str, Any]) -> dict[str, Any]:
+    return {key: value for key, value in values.items() if key not in Study.model_fields}
+
+
+def _choose_modes(composed: Composed, values: dict[str, Any]) -> dict[str, Any]:
+    """Keep the modes that are run or referred to; every file of conf/modes is known, none has to be used."""
+    known = {name: mode for name, mode in values.get("modes", {}).items() if name != "run"}
+    run = values.get("modes", {}).get("run")
+    if not isinstance(run, list) or not run:
+        raise UserError(f"{composed.origin('modes.run')}: modes.run: value {run!r}; allowed is a list of modes, "
+                        f"{best_matches('', known)}")
+    wanted = [*run]
+    for name, comparison in (values.get("comparisons") or {}).items():
+        reference = (comparison or {}).get("mean_current_of")
+        if reference is not None:
+            wanted.append(reference)
+            if reference not in known:
+                path = f"comparisons.{name}.mean_current_of"
+                raise UserError(f"{composed.origin(path)}: {path}: no mode {reference!r}; "
+                                f"{best_matches(str(reference), known)}")
+    for name in run:
+        if name not in known:
+            raise UserError(f"{composed.origin('modes.run')}: modes.run: no mode {name!r} in conf/modes; "
+                            f"{best_matches(str(name), known)}")
+    if len(set(run)) < len(run):
+        raise UserError(f"{composed.origin('modes.run')}: modes.run: value {run}; each mode may stand there once")
+    return values | {"modes": {name: known[name] for name in dict.fromkeys(wanted)}, "run": list(run)}
+
+
+def _unused_mode(path: str, values: Mapping[str, Any]) -> bool:
+    keys = path.split(".")
+    return keys[0] == "modes" and len(keys) > 1 and keys[1] not in values["modes"]
+
+
+def _check_together(composed: Composed, study: Study) -> None:
+    """Check what no record can check alone."""
+    with _explained(composed):
+        for name in study.run:
+            with _below(f"modes.{name}"):
+                charge_checks.check(study.battery, study.modes[name], study.charge)
+        if study.panel is not None:
+            if study.weather is None or study.converter is None or study.load is None:
+                raise UserError("panel: a study with a panel needs weather, converter and load")
+            power = study.panel.approximate_power_w(study.weather.irradiance_w_m2, study.weather.cell_temperature_c)
+            voltage = study.panel.max_power_voltage_v * study.panel.panels_in_series
+            supply_checks.check(power, voltage, study.converter, study.load)
+        calibrated = {source.to for source in study.sources.values() if source.to is not None}
+        published_checks.check(study.published, _makeable(study), study.charge.soc_marks, calibrated)
+
+
+def _makeable(study: Study) -> set[str]:
+    """Return every input the study could make, also with modes that this run leaves out."""
+    supplied = {"panel", "supply"} if study.panel is not None else set()
+    charges = {f"charge/{comparison}/{mode}" for comparison in study.comparisons for mode in options("modes")}
+    return supplied | charges
+
+
+@contextmanager
+def _below(path: str) -> Iterator[None]:
+    """Put a key path before the message of a check."""
+    try:
+        yield
+    except (UserError, ValueError) as error:
+        raise UserError(f"{path}.{error}") from None
+
+
+@contextmanager
+def _explained(composed: Composed) -> Iterator[None]:
+    """Put the file before the message of a check, which begins with its key path."""
+    try:
+        yield
+    except UserError as error:
+        path = str(error).split(":")[0].split(" ")[0]
+        raise UserError(f"{composed.origin(path)}: {error}") from None

@@ -1,0 +1,208 @@
+"""Which nodes a study has: each phase turns the parts of the configuration it uses into drafts of nodes."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass, field
+from typing import Any
+
+from pipeline.charge.comparison import at_same_mean, constant_current_a
+from pipeline.charge.records import Mode
+from pipeline.config.study import Study
+from pipeline.published.records import needs
+from pipeline.record import Record
+
+
+@dataclass(frozen=True)
+class Draft:
+    """A node before it has a key.
+
+    `name` is unique in a run; `settings` is the node's own sub-tree; `inputs` maps the name under which the step
+    finds an input to the name of the node that makes it; `sections` are the key paths of the configuration the
+    node itself depends on; `shown` maps files of the artefact (`*`: all of them, names kept) to places in the
+    readable view, which is under `results/` or `reports/`.
+    """
+
+    step: str
+    name: str
+    label: str
+    settings: dict[str, Any]
+    inputs: dict[str, str] = field(default_factory=dict)
+    sections: tuple[str, ...] = ()
+    shown: dict[str, str] = field(default_factory=dict)
+    view: str = "results"
+
+
+def drafts(study: Study) -> list[Draft]:
+    """Return the nodes of a study, inputs before those that read them."""
+    nodes: list[Draft] = []
+    nodes += _supply(study)
+    nodes += _charges(study)
+    nodes += _verdicts(study, nodes)
+    nodes += _figures(study, nodes)
+    nodes += _page(study, nodes)
+    return nodes
+
+
+def plain(value: Any) -> Any:
+    """Return a record, or a structure of records, as plain data."""
+    if isinstance(value, Record):
+        return value.model_dump(mode="json", by_alias=True)
+    if isinstance(value, dict):
+        return {key: plain(item) for key, item in value.items()}
+    if isinstance(value, list | tuple):
+        return [plain(item) for item in value]
+    return value
+
+
+def charge_name(comparison: str, mode: str) -> str:
+    """Return the name of a charge's node, which is also the name of the input that reads it."""
+    return f"charge/{comparison}/{mode}"
+
+
+def compared_modes(study: Study) -> Iterator[tuple[str, str, Mode]]:
+    """Yield comparison, mode name and the mode as it is run there."""
+    for name, comparison in study.comparisons.items():
+        reference = comparison.mean_current_of
+        for mode_name in study.run:
+            mode = study.modes[mode_name]
+            if reference is not None:
+                mode = at_same_mean(mode, constant_current_a(study.modes[reference], study.battery), study.battery)
+            yield name, mode_name, mode
+
+
+def _supply(study: Study) -> Iterator[Draft]:
+    if study.panel is None:
+        return
+    yield Draft(
+        "panel",
+        "panel",
+        "panel",
+        plain({"panel": study.panel, "curves": study.panel_curves}),
+        sections=("panel",),
+        shown={f"{part}.parquet": f"panel/{part}.parquet" for part in ("curves", "points", "parameters")},
+    )
+    yield Draft(
+        "supply",
+        "supply",
+        "supply",
+        plain({"panel": study.panel, "weather": study.weather, "converter": study.converter, "load": study.load}),
+        inputs={"panel": "panel"},
+        sections=("weather", "converter", "load"),
+        shown={"supply.parquet": "supply/supply.parquet"},
+    )
+
+
+def _charges(study: Study) -> Iterator[Draft]:
+    yield Draft("engine", "engine", "engine", {})
+    inputs = {"engine": "engine"} | ({"supply": "supply"} if study.panel is not None else {})
+    for comparison, mode_name, mode in compared_modes(study):
+        settings = plain({"battery": study.battery, "mode": mode, "charge": study.charge, "engine": study.engine})
+        # Titles are for readers; changing one must not charge the battery again.
+        settings["mode"].pop("title", None)
+        settings["battery"].pop("title", None)
+        place = f"charge/{comparison}/{mode_name}"
+        yield Draft(
+            "charge",
+            charge_name(comparison, mode_name),
+            f"{comparison}.{mode_name}",
+            settings,
+            inputs=inputs,
+            sections=("battery", f"modes.{mode_name}", "charge"),
+            shown={"trace.bdf.parquet": f"{place}.bdf.parquet"}
+            | {f"{part}.parquet": f"{place}.{part}.parquet" for part in ("waveform", "summary", "phases", "energy")},
+        )
+
+
+def _verdicts(study: Study, nodes: list[Draft]) -> Iterator[Draft]:
+    if not study.published:
+        return
+    known = {node.name for node in nodes}
+    inputs = {name: name for statement in study.published.values() for name in needs(statement) if name in known}
+    calibrated = {
+        identifier: sorted(_calibrated(study, nodes, {name for name in needs(statement) if name in known}, identifier))
+        for identifier, statement in study.published.items()
+    }
+    yield Draft(
+        "verdicts",
+        "verdicts",
+        study.study.name,
+        {
+            "statements": plain(study.published),
+            "calibrated": {key: paths for key, paths in calibrated.items() if paths},
+        },
+        inputs=dict(sorted(inputs.items())),
+        shown={"verdicts.parquet": "published/verdicts.parquet"},
+    )
+
+
+def _calibrated(study: Study, nodes: list[Draft], names: set[str], statement: str) -> set[str]:
+    """Return the parameters calibrated to a statement that reach its answer through the plan's edges."""
+    by_name = {node.name: node for node in nodes}
+    waiting, seen = list(names), set[str]()
+    while waiting:
+        name = waiting.pop()
+        if name not in seen:
+            seen.add(name)
+            waiting.extend(by_name[name].inputs.values())
+    sections = tuple(section for name in seen for section in by_name[name].sections)
+    return {
+        path
+        for path, source in study.sources.items()
+        if source.kind == "calibrated" and source.to == statement and _below(path, sections)
+    }
+
+
+def _figures(study: Study, nodes: list[Draft]) -> Iterator[Draft]:
+    for identifier, card in study.figures.items():
+        inputs = {node.name: node.name for node in nodes if _wanted(node, card.reads, card.comparison)}
+        yield Draft(
+            "figures",
+            f"figure/{identifier}",
+            identifier,
+            {"id": identifier, "card": plain(card), **_labels(study)},
+            inputs=inputs,
+            shown={f"{identifier}.{kind}": f"figures/{identifier}.{kind}" for kind in ("svg", "png")},
+            view="reports",
+        )
+
+
+def _wanted(node: Draft, reads: Iterable[str], comparison: str | None) -> bool:
+    if node.step not in reads:
+        return False
+    return node.step != "charge" or comparison is None or node.name.startswith(f"charge/{comparison}/")
+
+
+def _labels(study: Study) -> dict[str, Any]:
+    """What every reader of charges needs to name them: titles, and the modes as configured."""
+    return {
+        "modes": {name: plain(study.modes[name]) for name in study.run},
+        "comparisons": {name: comparison.title for name, comparison in study.comparisons.items()},
+    }
+
+
+def _page(study: Study, nodes: list[Draft]) -> Iterator[Draft]:
+    read = {node.name: node.name for node in nodes if node.step in ("panel", "supply", "charge", "verdicts", "figures")}
+    values = {path: value for section in study.parameter_sections() for path, value in study.parameters(section)}
+    yield Draft(
+        "page",
+        "page",
+        study.study.name,
+        {
+            "study": plain(study.study),
+            "battery": study.battery.title,
+            "figures": {identifier: plain(card) for identifier, card in study.figures.items()},
+            "parameters": [
+                {"path": path, "value": values[path], **plain(source)} for path, source in study.sources.items()
+            ],
+            "overrides": list(study.overrides),
+            **_labels(study),
+        },
+        inputs=read,
+        shown={"*": ""},
+        view="reports",
+    )
+
+
+def _below(path: str, sections: Iterable[str]) -> bool:
+    return any(path == section or path.startswith(section + ".") for section in sections)

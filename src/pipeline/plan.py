@@ -1,0 +1,190 @@
+"""The plan: composed runs become nodes with keys, edges, chunks and targets; the one contract with the workflow.
+
+A plan is an immutable JSON file, `results/plan/<digest>.json`. It may hold several runs; nodes with the same key
+are the same node, whichever run asked for them.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from pipeline import digest
+from pipeline.config.compose import compose_tree
+from pipeline.config.study import Study, study_from
+from pipeline.errors import UserError
+from pipeline.phases import Draft, drafts, plain
+from pipeline.planfile import STEPS, VERSION
+
+# Files a step reads beside its inputs, relative to the package; their content is part of the key.
+STEP_FILES: dict[str, tuple[str, ...]] = {
+    "figures": ("report/*.mplstyle",),
+    "page": ("report/templates/*",),
+}
+# Nodes a job takes at most, in a single run and in a sweep.
+CHUNK_SIZE = {"panel": (1, 16), "supply": (1, 64), "charge": (1, 12), "verdicts": (1, 32), "figures": (7, 14), "page": (1, 8)}
+PUBLISH_SIZE = 32
+TARGETS = {
+    "panel": ("panel", "supply"),
+    "charges": ("charge",),
+    "figures": ("figures",),
+}
+DEFAULT_STUDIES = ("solar_reflex",)
+
+
+@dataclass(frozen=True)
+class Run:
+    """One composed study: its name, its record, its nodes and the key of each."""
+
+    name: str
+    study: Study
+    nodes: tuple[Draft, ...]
+    keys: Mapping[str, str]
+
+
+def make_plan(overrides: Iterable[Sequence[str]]) -> dict[str, Any]:
+    """Compose one run for each list of overrides and join their nodes into a plan.
+
+    Raises
+    ------
+    UserError : a configuration that does not compose or validate, or two runs of one name.
+    """
+    runs = [_run(words) for words in overrides]
+    names = [(run.study.study.name, run.name) for run in runs]
+    for name in names:
+        if names.count(name) > 1:
+            raise UserError(f"two runs are named {'/'.join(name)}; give each its own overrides")
+    nodes = {key: node for run in runs for key, node in _nodes(run).items()}
+    chunks = _chunks(runs, nodes)
+    return {
+        "version": VERSION,
+        "runs": [_described(run) for run in runs],
+        "nodes": nodes,
+        "chunks": chunks,
+        "targets": _targets(runs, chunks),
+    }
+
+
+def run_name(overrides: Sequence[str]) -> str:
+    """Return the folder name of a run: its overrides without `study=`, or `default`."""
+    words = sorted(word for word in overrides if not word.startswith("study="))
+    if not words:
+        return "default"
+    name = ",".join(words).replace("/", "-").replace(" ", "").replace("'", "").replace('"', "")
+    if len(name) > 100:
+        name = f"{name[:88]}-{digest.of_value(words)[:8]}"
+    return name
+
+
+def _run(words: Sequence[str]) -> Run:
+    study = study_from(compose_tree(words))
+    nodes = tuple(drafts(study))
+    keys: dict[str, str] = {}
+    for node in nodes:
+        keys[node.name] = digest.of_value(_identity(node, keys))
+    return Run(run_name(words), study, nodes, keys)
+
+
+def _identity(node: Draft, keys: Mapping[str, str]) -> dict[str, Any]:
+    return {
+        "step": node.step,
+        "settings": node.settings,
+        "code": digest.of_code(f"pipeline.steps.{node.step}"),
+        "files": {path.relative_to(digest.PACKAGE).as_posix(): digest.of_file(path) for path in step_files(node.step)},
+        "inputs": {name: keys[maker] for name, maker in node.inputs.items()},
+        "lock": digest.of_lock(),
+    }
+
+
+def step_files(step: str) -> list[Path]:
+    """Return the files a step declares that it reads beside its inputs."""
+    return sorted(path for pattern in STEP_FILES.get(step, ()) for path in digest.PACKAGE.glob(pattern))
+
+
+def _nodes(run: Run) -> dict[str, dict[str, Any]]:
+    return {
+        run.keys[node.name]: {
+            "step": node.step,
+            "settings": node.settings,
+            "inputs": {name: run.keys[maker] for name, maker in node.inputs.items()},
+        }
+        for node in run.nodes
+    }
+
+
+def _described(run: Run) -> dict[str, Any]:
+    described = {
+        "study": run.study.study.name,
+        "name": run.name,
+        "overrides": list(run.study.overrides),
+        "seed": run.study.seed,
+        "configuration": run.study.configuration,
+        "sources": plain(run.study.sources),
+        "nodes": {node.name: {"step": node.step, "key": run.keys[node.name]} for node in run.nodes},
+        "view": [
+            {"step": node.step, "key": run.keys[node.name], "file": file, "place": place, "room": node.view}
+            for node in run.nodes
+            for file, place in node.shown.items()
+        ],
+    }
+    return described | {"digest": digest.of_value(described)}
+
+
+def _chunks(runs: Sequence[Run], nodes: Mapping[str, Any]) -> dict[str, dict[str, Any]]:
+    """Group the nodes of each step into jobs, by their order in the plan alone."""
+    sweep = len(runs) > 1
+    labels: dict[str, list[str]] = {}
+    for run in runs:
+        for node in run.nodes:
+            labels.setdefault(run.keys[node.name], []).append(node.label)
+    chunks: dict[str, dict[str, Any]] = {}
+    maker: dict[str, str] = {}
+    for step in STEPS:
+        keys = [key for key in nodes if nodes[key]["step"] == step]
+        size = CHUNK_SIZE.get(step, (1, 1))[sweep]
+        for start in range(0, len(keys), size):
+            part = keys[start : start + size]
+            needed = {maker[key] for node in part for key in nodes[node]["inputs"].values()}
+            name = _chunk_name([labels[key] for key in part], part)
+            chunks[name] = {"step": step, "nodes": part, "needs": sorted(needed)}
+            maker.update(dict.fromkeys(part, name))
+    for part in ("all", *TARGETS):
+        chunks.update(_publications(runs, nodes, maker, part))
+    return chunks
+
+
+def _publications(
+    runs: Sequence[Run], nodes: Mapping[str, Any], maker: Mapping[str, str], part: str
+) -> dict[str, dict[str, Any]]:
+    """Return the jobs that link artefacts to their readable places: all of a run's, or a named part of them."""
+    steps = TARGETS.get(part, STEPS)
+    found = {}
+    for start in range(0, len(runs), PUBLISH_SIZE):
+        batch = runs[start : start + PUBLISH_SIZE]
+        needed = {maker[key] for run in batch for key in run.keys.values() if nodes[key]["step"] in steps}
+        labels = [[f"{run.study.study.name}.{run.name}.{part}"] for run in batch]
+        name = _chunk_name(labels, [part, *(_described(run)["digest"] for run in batch)])
+        numbers = list(range(start, start + len(batch)))
+        found[name] = {"step": "publish", "part": part, "steps": list(steps), "runs": numbers, "needs": sorted(needed)}
+    return found
+
+
+def _chunk_name(labels: Sequence[Sequence[str]], identity: Sequence[str]) -> str:
+    """Return a readable name: what the first node is, how many more there are, and six digits of their keys."""
+    first = labels[0]
+    label = first[0] if len(set(first)) == 1 else first[0].rsplit(".", 1)[-1]
+    label = "".join(letter if letter.isalnum() or letter in "._-" else "_" for letter in label)[:60]
+    more = f"+{len(labels) - 1}" if len(labels) > 1 else ""
+    return f"{label}{more}-{digest.of_value(list(identity))[:6]}"
+
+
+def _targets(runs: Sequence[Run], chunks: Mapping[str, Any]) -> dict[str, list[str]]:
+    published = {name: chunk for name, chunk in chunks.items() if chunk["step"] == "publish"}
+    targets = {part: [n for n, chunk in published.items() if chunk["part"] == part] for part in ("all", *TARGETS)}
+    targets["report"] = targets["all"]
+    for study in sorted({run.study.study.name for run in runs}):
+        mine = {index for index, run in enumerate(runs) if run.study.study.name == study}
+        targets[study] = [name for name in targets["all"] if mine & set(published[name]["runs"])]
+    return targets

@@ -1,0 +1,36 @@
+"""The plan as a file: what the jobs and the workflow read; light, so that no job imports Hydra."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+from pipeline import digest, store
+from pipeline.errors import UserError
+
+VERSION = 1
+# The order of the steps; a chunk needs only chunks of earlier steps.
+STEPS = ("panel", "supply", "engine", "charge", "verdicts", "figures", "page")
+
+
+def save(plan: Mapping[str, Any], results: Path) -> Path:
+    """Write the plan under its digest, unless it is there; return the file."""
+    path = results / "plan" / f"{digest.of_value(plan)[:16]}.json"
+    if not path.is_file():
+        store.write_text(path, json.dumps(plan, indent=1, sort_keys=True, ensure_ascii=False, allow_nan=False))
+    return path
+
+
+def load(path: Path) -> dict[str, Any]:
+    """Read a plan; raise `UserError` where there is none."""
+    try:
+        plan: dict[str, Any] = json.loads(path.read_text())
+    except FileNotFoundError:
+        raise UserError(f"plan {path}: no such file") from None
+    except ValueError as error:
+        raise UserError(f"plan {path}: not JSON ({error})") from None
+    if not isinstance(plan, dict) or plan.get("version") != VERSION:
+        raise UserError(f"plan {path}: not a plan of version {VERSION}; make it anew with --config overrides=...")
+    return plan

@@ -1,0 +1,131 @@
+"""The readable view: `results/<study>/<run>/` and `reports/<study>/<run>/`, links into the store and a manifest."""
+
+from __future__ import annotations
+
+import json
+import platform
+import shlex
+import subprocess
+from collections.abc import Collection, Iterator, Mapping
+from importlib import metadata
+from pathlib import Path
+from typing import Any
+
+from pipeline import digest, store
+
+VERSIONS_OF = (
+    "charge-pipeline",
+    "hydra-core",
+    "matplotlib",
+    "numba",
+    "numpy",
+    "pandas",
+    "pvlib",
+    "pyarrow",
+    "pydantic",
+    "scipy",
+    "snakemake",
+)
+
+
+def publish(plan: Mapping[str, Any], name: str, results: Path) -> None:
+    """Link the artefacts of a chunk's runs to their readable places, write the manifests, then the receipt."""
+    chunk = plan["chunks"][name]
+    views = {}
+    for index in chunk["runs"]:
+        run = plan["runs"][index]
+        manifest = publish_run(run, results, chunk["part"], chunk["steps"])
+        views[manifest.as_posix()] = run["digest"]
+    store.write_receipt(results, "publish", name, {}, views)
+
+
+def publish_run(run: Mapping[str, Any], results: Path, part: str, steps: Collection[str]) -> Path:
+    """Link the artefacts that some steps made for a run, remove what an earlier publication left, write the manifest.
+
+    Returns
+    -------
+    The manifest: `manifest.json` for all of a run, `manifest.<part>.json` for a part of it.
+    """
+    folder = view_folder(results, run, "results")
+    _drop_other_runs(folder, run["digest"])
+    manifest = folder / ("manifest.json" if part == "all" else f"manifest.{part}.json")
+    before = _published(manifest)
+    shown = []
+    for path, entry in _places(run, results, steps):
+        store.link(store.artefact(results, entry["step"], entry["key"]) / entry["file"], path)
+        shown.append(entry | {"path": path.relative_to(results.parent).as_posix()})
+    for stale in before - {entry["path"] for entry in shown}:
+        (results.parent / stale).unlink(missing_ok=True)
+    store.write_json(manifest, _manifest(run, shown))
+    return manifest
+
+
+def _drop_other_runs(folder: Path, run_digest: str) -> None:
+    """Remove the manifests of parts that another configuration published to the same place."""
+    for manifest in folder.glob("manifest.*.json"):
+        if json.loads(manifest.read_text())["digest"] != run_digest:
+            manifest.unlink()
+
+
+def view_folder(results: Path, run: Mapping[str, Any], room: str) -> Path:
+    """Return the folder of a run's view in `results/` or in `reports/` beside it."""
+    base = results if room == "results" else results.parent / room
+    return base / str(run["study"]) / str(run["name"])
+
+
+def command(overrides: list[str]) -> str:
+    """Return the command that makes a run."""
+    words = " ".join(overrides)
+    return "snakemake --cores 2 all" + (f" --config overrides={shlex.quote(words)}" if words else "")
+
+
+def _places(
+    run: Mapping[str, Any], results: Path, steps: Collection[str]
+) -> Iterator[tuple[Path, dict[str, Any]]]:
+    for item in run["view"]:
+        if item["step"] not in steps:
+            continue
+        sealed = store.contents(store.artefact(results, item["step"], item["key"]))
+        files = sorted(sealed) if item["file"] == "*" else [item["file"]]
+        for file in files:
+            place = f"{item['place']}{file}" if item["file"] == "*" else item["place"]
+            entry = {"step": item["step"], "key": item["key"], "file": file, "sha256": sealed[file]}
+            yield view_folder(results, run, item["room"]) / place, entry
+
+
+def _published(manifest: Path) -> set[str]:
+    try:
+        return {entry["path"] for entry in json.loads(manifest.read_text())["artefacts"]}
+    except (OSError, ValueError, KeyError):
+        return set()
+
+
+def _manifest(run: Mapping[str, Any], shown: list[dict[str, Any]]) -> dict[str, Any]:
+    return {
+        "study": run["study"],
+        "run": run["name"],
+        "digest": run["digest"],
+        "command": command(run["overrides"]),
+        "overrides": run["overrides"],
+        "seed": run["seed"],
+        "configuration": run["configuration"],
+        "sources": run["sources"],
+        "artefacts": shown,
+        "lock": digest.of_lock(),
+        "commit": _commit(),
+        "versions": {"python": platform.python_version()} | {name: metadata.version(name) for name in VERSIONS_OF},
+    }
+
+
+def _commit() -> str | None:
+    """Return the commit of the project's tree, `+changes` where files differ from it; None outside a repository."""
+    try:
+        head = _git("rev-parse", "HEAD")
+        return head + ("+changes" if _git("status", "--porcelain") else "")
+    except (OSError, subprocess.CalledProcessError):
+        return None
+
+
+def _git(*words: str) -> str:
+    run = subprocess.run(["git", *words], cwd=digest.PROJECT, capture_output=True, text=True, check=True)
+    return run.stdout.strip()

@@ -1,0 +1,1 @@
+"""One thin module per step: artefacts in, domain calls, artefacts out."""

@@ -1,0 +1,7 @@
+"""Figures: one figure card and the artefacts it reads in; the figure as SVG and PNG out."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any

@@ -1,0 +1,34 @@
+"""Supply: weather, panel, converters and load in; the power at the battery's terminals out."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+from pydantic import TypeAdapter
+
+from pipeline import schemas, tables
+from pipeline.converter.chain import battery_power
+from pipeline.converter.records import Load, PowerChain
+from pipeline.panel import curves
+from pipeline.panel.records import Panel, Weather
+from pipeline.panel.single_diode import SingleDiode
+from pipeline.panel.weather import conditions
+
+
+def run(settings: Mapping[str, Any], inputs: Mapping[str, Path], output: Path) -> None:
+    """Follow the panel's maximum power through the converters to the battery."""
+    panel = Panel.model_validate(settings["panel"])
+    weather: Weather = TypeAdapter(Weather).validate_python(settings["weather"])
+    fitted = tables.read(schemas.PANEL_PARAMETERS, inputs["panel"] / "parameters.parquet")
+    diode = SingleDiode(**{name: float(fitted[name][0]) for name in SingleDiode._fields})
+    sky = conditions(weather)
+    points = curves.points(panel, diode, sky.irradiance_w_m2, sky.cell_temperature_c)
+    supply = battery_power(
+        *sky,
+        points["max_power_w"],
+        PowerChain.model_validate(settings["converter"]),
+        Load.model_validate(settings["load"]),
+    )
+    tables.write(schemas.SUPPLY, supply, output / "supply.parquet")

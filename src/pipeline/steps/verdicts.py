@@ -1,0 +1,18 @@
+"""Verdicts: published statements and the artefacts that answer them in; a computed verdict on each out."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+from pipeline import schemas, tables
+from pipeline.published.evaluate import Lookup, evaluate
+from pipeline.published.records import Statement
+
+
+def run(settings: Mapping[str, Any], inputs: Mapping[str, Path], output: Path) -> None:
+    """Judge every statement."""
+    statements = {name: Statement.model_validate(data) for name, data in settings["statements"].items()}
+    verdicts = evaluate(statements, Lookup(inputs), set(settings["calibrated"]))
+    tables.write(schemas.VERDICTS, verdicts, output / "verdicts.parquet")

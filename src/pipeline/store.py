@@ -1,0 +1,233 @@
+"""The keyed store under `results/`: what is written, whole or not at all, and what is still valid.
+
+`results/store/<step>/<key>/` holds one artefact: its files, read-only, and `contents.json` with their sha256.
+`results/receipts/<step>/<chunk>.json` says what a job made. This is the only module that writes under `results/`
+and `reports/`.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import json
+import os
+import shutil
+import tempfile
+from collections.abc import Callable, Mapping
+from pathlib import Path
+from typing import Any
+
+from pipeline import digest
+
+CONTENTS = "contents.json"
+RESULTS = Path("results")
+
+
+class StoreError(RuntimeError):
+    """An artefact that is missing, damaged, or came out different under the same key."""
+
+
+def artefact(results: Path, step: str, key: str) -> Path:
+    """Return the folder of an artefact."""
+    return results / "store" / step / key
+
+
+def receipt(results: Path, step: str, chunk: str) -> Path:
+    """Return the file that says what a job made."""
+    return results / "receipts" / step / f"{chunk}.json"
+
+
+def contents(folder: Path) -> dict[str, str]:
+    """Return file name -> sha256 of an artefact, as sealed; raise `StoreError` where it is not there."""
+    try:
+        listed: dict[str, str] = json.loads((folder / CONTENTS).read_text())
+    except (OSError, ValueError) as error:
+        raise StoreError(f"{folder}: no sealed artefact ({error})") from error
+    return listed
+
+
+def damage(folder: Path) -> str | None:
+    """Return what is wrong with an artefact, or None where every file is what was sealed."""
+    try:
+        listed = contents(folder)
+    except StoreError as error:
+        return str(error)
+    for name, expected in listed.items():
+        path = folder / name
+        if not path.is_file():
+            return f"{path} is missing"
+        if digest.of_file(path) != expected:
+            return f"{path} is not what was sealed"
+    return None
+
+
+def make(results: Path, step: str, key: str, write: Callable[[Path], None], again: bool = False) -> dict[str, str]:
+    """Make an artefact, unless it is there; return file name -> sha256.
+
+    Arguments
+    ---------
+    write : fills the empty folder it is given; the folder gets its name only when everything is on disk.
+    again : compute although the artefact is there, and compare.
+
+    Raises
+    ------
+    StoreError : computed again, it came out different.
+    """
+    folder = artefact(results, step, key)
+    fault = damage(folder)
+    if fault is None and not again:
+        return contents(folder)
+    folder.parent.mkdir(parents=True, exist_ok=True)
+    _remove_abandoned(folder)
+    temporary = Path(tempfile.mkdtemp(prefix=f".{key}.", suffix=f".{os.getpid()}", dir=folder.parent))
+    try:
+        write(temporary)
+        made = _seal(temporary)
+        if fault is None:
+            _compare(folder, contents(folder), made)
+        else:
+            _replace(folder, temporary)
+        return made
+    finally:
+        if temporary.exists():
+            remove(temporary)
+
+
+def found_value(folder: Path, name: str) -> float:
+    """Return a value that a step found, from `found.json` of its artefact."""
+    try:
+        return float(json.loads((folder / "found.json").read_text())[name])
+    except (OSError, KeyError) as error:
+        raise StoreError(f"{folder}: found no {name!r} ({error})") from error
+
+
+def write_receipt(
+    results: Path, step: str, chunk: str, artefacts: Mapping[str, Mapping[str, str]], views: Mapping[str, str]
+) -> None:
+    """Write what a job made: key -> (file -> sha256), and for published views manifest -> digest of the run."""
+    write_json(receipt(results, step, chunk), {"step": step, "artefacts": artefacts, "views": views})
+
+
+def remove(folder: Path) -> None:
+    """Delete an artefact, read-only files included."""
+    for path in folder.rglob("*"):
+        with contextlib.suppress(FileNotFoundError):
+            path.chmod(0o755 if path.is_dir() else 0o644)
+    shutil.rmtree(folder)
+
+
+def write_text(path: Path, text: str) -> None:
+    """Write a file whole or not at all."""
+    path.parent.mkdir(parents=True, exist_ok=True)
+    handle, name = tempfile.mkstemp(prefix=f".{path.name}.", dir=path.parent)
+    temporary = Path(name)
+    try:
+        with os.fdopen(handle, "w", encoding="utf-8") as file:
+            file.write(text)
+            file.flush()
+            os.fsync(file.fileno())
+        temporary.chmod(0o644)
+        _rename(temporary, path)
+    finally:
+        temporary.unlink(missing_ok=True)
+
+
+def write_json(path: Path, value: Any) -> None:
+    """Write a value as readable JSON, whole or not at all."""
+    write_text(path, json.dumps(value, indent=1, sort_keys=True, ensure_ascii=False, allow_nan=False) + "\n")
+
+
+def link(source: Path, target: Path) -> None:
+    """Put a file under a second name: a hard link, or a copy where the file system has none; replaces `target`."""
+    target.parent.mkdir(parents=True, exist_ok=True)
+    temporary = target.parent / f".{target.name}.{os.getpid()}"
+    temporary.unlink(missing_ok=True)
+    try:
+        os.link(source, temporary)
+    except OSError:
+        shutil.copyfile(source, temporary)
+        temporary.chmod(0o444)
+    temporary.replace(target)
+    # Renaming a link over another link to the same file leaves both names.
+    temporary.unlink(missing_ok=True)
+
+
+def drop_broken_receipts(results: Path, chunks: Mapping[str, Mapping[str, Any]]) -> list[str]:
+    """Delete receipts whose artefacts are gone or whose view shows another run; return the chunks' names."""
+    dropped = []
+    for name, chunk in chunks.items():
+        path = receipt(results, chunk["step"], name)
+        if path.is_file() and not _honoured(results, path):
+            path.unlink(missing_ok=True)
+            dropped.append(name)
+    return dropped
+
+
+def _honoured(results: Path, path: Path) -> bool:
+    try:
+        made = json.loads(path.read_text())
+        sealed = all((artefact(results, made["step"], key) / CONTENTS).is_file() for key in made["artefacts"])
+        shown = all(json.loads(Path(view).read_text())["digest"] == run for view, run in made["views"].items())
+    except (OSError, ValueError, KeyError):
+        return False
+    return sealed and shown
+
+
+def _seal(folder: Path) -> dict[str, str]:
+    files = sorted(path for path in folder.rglob("*") if path.is_file())
+    if not files:
+        raise StoreError(f"{folder}: the step wrote nothing")
+    listed = {path.relative_to(folder).as_posix(): digest.of_file(path) for path in files}
+    (folder / CONTENTS).write_text(json.dumps(listed, indent=1, sort_keys=True) + "\n")
+    for path in [*files, folder / CONTENTS]:
+        path.chmod(0o444)
+        _sync(path)
+    folder.chmod(0o755)
+    _sync(folder)
+    return listed
+
+
+def _replace(folder: Path, temporary: Path) -> None:
+    if folder.exists():
+        remove(folder)
+    try:
+        _rename(temporary, folder)
+    except OSError:
+        # Another job may have sealed the same artefact meanwhile; then its copy serves.
+        if damage(folder) is not None:
+            raise
+
+
+def _compare(folder: Path, before: Mapping[str, str], now: Mapping[str, str]) -> None:
+    differing = sorted(name for name in before.keys() | now.keys() if before.get(name) != now.get(name))
+    if differing:
+        raise StoreError(f"computed again, {folder} came out different in: {', '.join(differing)}")
+
+
+def _remove_abandoned(folder: Path) -> None:
+    """Remove what a killed job left of the same artefact."""
+    for path in folder.parent.glob(f".{folder.name}.*"):
+        if not _alive(path.suffix):
+            remove(path)
+
+
+def _alive(suffix: str) -> bool:
+    try:
+        os.kill(int(suffix.lstrip(".")), 0)
+    except (ValueError, ProcessLookupError):
+        return False
+    except PermissionError:
+        return True
+    return True
+
+
+def _rename(source: Path, target: Path) -> None:
+    source.replace(target)
+    _sync(target.parent)
+
+
+def _sync(path: Path) -> None:
+    descriptor = os.open(path, os.O_RDONLY)
+    try:
+        os.fsync(descriptor)
+    finally:
+        os.close(descriptor)

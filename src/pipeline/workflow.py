@@ -1,0 +1,100 @@
+"""What the Snakefile asks: which plan, which receipts, which command."""
+
+from __future__ import annotations
+
+import shlex
+import sys
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+from pipeline import planfile, store
+from pipeline.errors import UserError
+
+
+class Workflow:
+    """One plan as Snakemake sees it: receipts are the files, chunks the wildcard."""
+
+    def __init__(self, config: Mapping[str, Any], results: Path = store.RESULTS, tidy: bool = True) -> None:
+        """Open the plan that `config` names, or make it from its overrides.
+
+        Arguments
+        ---------
+        config : Snakemake's `--config`: `plan=FILE`, or `overrides="..."`, or nothing for the default studies.
+        tidy : delete receipts that the store no longer honours; not when another process runs the workflow.
+        """
+        self.results = results
+        self.file = _plan_file(config, results)
+        self.plan = planfile.load(self.file)
+        if tidy:
+            store.drop_broken_receipts(results, self.plan["chunks"])
+
+    def target(self, name: str) -> list[str]:
+        """Return the receipts a target stands for."""
+        return [self._receipt(chunk) for chunk in self.plan["targets"].get(name, ())]
+
+    def studies(self) -> list[str]:
+        """Return the names of the plan's studies."""
+        return sorted({run["study"] for run in self.plan["runs"]})
+
+    def needs(self, chunk: str) -> list[str]:
+        """Return the receipts that must be there before a chunk runs."""
+        return [self._receipt(name) for name in self.plan["chunks"][chunk]["needs"]]
+
+    def receipt(self, step: str) -> str:
+        """Return the receipt of a step's chunks, with the wildcard `chunk`."""
+        return str(store.receipt(self.results, step, "{chunk}"))
+
+    def log(self, step: str) -> str:
+        """Return the log file of a step's chunks, with the wildcard `chunk`."""
+        return str(self.results / "logs" / step / "{chunk}.log")
+
+    def benchmark(self, step: str) -> str:
+        """Return the file of times and memory of a step's chunks, with the wildcard `chunk`."""
+        return str(self.results / "benchmarks" / step / "{chunk}.tsv")
+
+    def command(self, step: str) -> str:
+        """Return the shell command of a step's chunks, with Snakemake's names in braces."""
+        words = [sys.executable, "-m", "pipeline.steps", "--plan", str(self.file), "--step", step]
+        line = f"{shlex.join(words)} --chunk {{wildcards.chunk:q}} {{params.again}}"
+        return f"OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1 {line} > {{log:q}} 2>&1"
+
+    def _receipt(self, chunk: str) -> str:
+        return str(store.receipt(self.results, self.plan["chunks"][chunk]["step"], chunk))
+
+
+def open_workflow(config: Mapping[str, Any], tidy: bool = True) -> Workflow:
+    """Open the workflow; a person's mistake ends with one message and exit code 2, nothing written."""
+    try:
+        return Workflow(config, tidy=tidy)
+    except UserError as error:
+        print(f"error: {error}", file=sys.stderr)
+        sys.exit(2)
+
+
+def forced(rule: str, settings: Any) -> bool:
+    """Tell whether Snakemake was asked to run a rule although its receipt is there (`-F`, or `-R` with its name)."""
+    return bool(settings.forceall) or rule in {str(name) for name in settings.forcerun}
+
+
+def _plan_file(config: Mapping[str, Any], results: Path) -> Path:
+    unknown = set(config) - {"plan", "overrides"}
+    if unknown:
+        raise UserError(f"--config {', '.join(sorted(unknown))}: unknown; allowed are plan=FILE and overrides=\"...\"")
+    if config.get("plan"):
+        return Path(str(config["plan"]))
+    # Composition needs Hydra; a job that is handed a plan does without.
+    from pipeline import plan as plans
+    from pipeline.config.compose import expand
+
+    overrides = config.get("overrides")
+    runs = expand(split_overrides(str(overrides))) if overrides else [[f"study={name}"] for name in plans.DEFAULT_STUDIES]
+    return planfile.save(plans.make_plan(runs), results)
+
+
+def split_overrides(text: str) -> list[str]:
+    """Split the words of `--config overrides="..."` as a shell would."""
+    try:
+        return shlex.split(text)
+    except ValueError as error:
+        raise UserError(f"--config overrides={text!r}: {error}") from None

@@ -1,0 +1,33 @@
+# The charges, after one job that compiles the engine for all of them.
+rule compile_engine:
+    input:
+        lambda wildcards: flow.needs(wildcards.chunk),
+    output:
+        flow.receipt("engine"),
+    params:
+        again=again("compile_engine"),
+    log:
+        flow.log("engine"),
+    benchmark:
+        flow.benchmark("engine")
+    message:
+        "Engine: compiling the kernels (once for each version of their code): {wildcards.chunk}"
+    shell:
+        flow.command("engine")
+
+
+rule charge_battery:
+    input:
+        lambda wildcards: flow.needs(wildcards.chunk),
+    output:
+        flow.receipt("charge"),
+    params:
+        again=again("charge_battery"),
+    log:
+        flow.log("charge"),
+    benchmark:
+        flow.benchmark("charge")
+    message:
+        "Charge: {wildcards.chunk}"
+    shell:
+        flow.command("charge")

@@ -1,0 +1,33 @@
+# From the panel's data sheet to the power that reaches the battery.
+rule fit_panel:
+    input:
+        lambda wildcards: flow.needs(wildcards.chunk),
+    output:
+        flow.receipt("panel"),
+    params:
+        again=again("fit_panel"),
+    log:
+        flow.log("panel"),
+    benchmark:
+        flow.benchmark("panel")
+    message:
+        "Panel: parameters, curves, maximum power: {wildcards.chunk}"
+    shell:
+        flow.command("panel")
+
+
+rule power_supply:
+    input:
+        lambda wildcards: flow.needs(wildcards.chunk),
+    output:
+        flow.receipt("supply"),
+    params:
+        again=again("power_supply"),
+    log:
+        flow.log("supply"),
+    benchmark:
+        flow.benchmark("supply")
+    message:
+        "Supply: power at the battery's terminals: {wildcards.chunk}"
+    shell:
+        flow.command("supply")

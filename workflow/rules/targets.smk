@@ -1,0 +1,28 @@
+# What people can ask for beside `all`: parts of a run, and each study by its name.
+rule panel:
+    input:
+        flow.target("panel"),
+
+
+rule charges:
+    input:
+        flow.target("charges"),
+
+
+rule figures:
+    input:
+        flow.target("figures"),
+
+
+rule report:
+    input:
+        flow.target("report"),
+
+
+for study in flow.studies():
+
+    rule:
+        name:
+            study
+        input:
+            flow.target(study),
