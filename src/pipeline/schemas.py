@@ -131,6 +131,17 @@ CHARGE_ENERGY = Table(
         Column("description", "", "what the path is", "text"),
     ),
 )
+ENSEMBLE = Table(
+    "ensemble",
+    "What charges came to over the range of the estimated parameters, a row per number",
+    (
+        Column("sample", "1", "number of the sample of the parameters, from 0", "integer"),
+        Column("comparison", "", "name of the comparison", "text"),
+        Column("mode", "", "name of the charging mode", "text"),
+        Column("quantity", "", "name of the quantity, as in the charge's summary", "text"),
+        Column("value", "see the summary", "its value; empty where the charge did not get there", optional=True),
+    ),
+)
 VERDICTS = Table(
     "verdicts",
     "Every published statement that was examined, with its computed verdict",
@@ -138,6 +149,7 @@ VERDICTS = Table(
         Column("statement", "", "identifier of the statement", "text"),
         Column("where", "", "where it stands in the paper", "text"),
         Column("says", "", "what it says", "text"),
+        Column("reading", "", "how the words became a predicate, and why this tolerance", "text"),
         Column("basis", "", "paper_data, model or none", "text"),
         Column("verdict", "", "holds, fails, not checkable, calibrated or contradicted", "text"),
         Column("published_value", "see unit", "the printed number, where there is one", optional=True),

@@ -1,0 +1,1 @@
+"""Published statements: what a paper says, as predicates, and the verdict our artefacts give on each."""
