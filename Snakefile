@@ -9,14 +9,18 @@ from snakemake.utils import min_version
 
 min_version("9.0")
 
+
 # Lets the linter see a reproducible environment; used with --sdm apptainer alone.
 container: "docker://python:3.11-slim"
 
+
 include: "workflow/common.smk"
+
 
 rule all:
     input:
         flow.target("all"),
+
 
 include: "workflow/rules/targets.smk"
 include: "workflow/rules/supply.smk"

@@ -6,7 +6,9 @@ flow = open_workflow(config, tidy=workflow.is_main_process)
 
 # A forced job computes what is there already and compares.
 def again(rule_name):
-    return lambda wildcards: "--again" if forced(rule_name, workflow.dag_settings) else ""
+    return lambda wildcards: (
+        "--again" if forced(rule_name, workflow.dag_settings) else ""
+    )
 
 
 wildcard_constraints:

@@ -61,7 +61,7 @@ def _path(module: str) -> Path | None:
 
 def _closure(module: str) -> set[str]:
     found: set[str] = set()
-    waiting = [module]
+    waiting = [module, *_parents(module)]
     while waiting:
         name = waiting.pop()
         if name in found:
@@ -93,8 +93,13 @@ def _imports(module: str) -> frozenset[str]:
             names.update(f"{origin}.{alias.name}" for alias in node.names)
     root = PACKAGE.name
     inside = {name for name in names if name == root or name.startswith(root + ".")}
-    parents = {".".join(name.split(".")[:depth]) for name in inside for depth in range(1, name.count(".") + 1)}
+    parents = {parent for name in inside for parent in _parents(name)}
     return frozenset(name for name in inside | parents if _path(name) is not None)
+
+
+def _parents(module: str) -> list[str]:
+    """Return the packages a module lies in; importing it runs their `__init__` too."""
+    return [".".join(module.split(".")[:depth]) for depth in range(1, module.count(".") + 1)]
 
 
 @cache

@@ -24,7 +24,14 @@ STEP_FILES: dict[str, tuple[str, ...]] = {
     "page": ("report/templates/*",),
 }
 # Nodes a job takes at most, in a single run and in a sweep.
-CHUNK_SIZE = {"panel": (1, 16), "supply": (1, 64), "charge": (1, 12), "verdicts": (1, 32), "figures": (7, 14), "page": (1, 8)}
+CHUNK_SIZE = {
+    "panel": (1, 16),
+    "supply": (1, 64),
+    "charge": (1, 12),
+    "verdicts": (1, 32),
+    "figures": (7, 14),
+    "page": (1, 8),
+}
 PUBLISH_SIZE = 32
 TARGETS = {
     "panel": ("panel", "supply"),

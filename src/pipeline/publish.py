@@ -79,9 +79,7 @@ def command(overrides: list[str]) -> str:
     return "snakemake --cores 2 all" + (f" --config overrides={shlex.quote(words)}" if words else "")
 
 
-def _places(
-    run: Mapping[str, Any], results: Path, steps: Collection[str]
-) -> Iterator[tuple[Path, dict[str, Any]]]:
+def _places(run: Mapping[str, Any], results: Path, steps: Collection[str]) -> Iterator[tuple[Path, dict[str, Any]]]:
     for item in run["view"]:
         if item["step"] not in steps:
             continue

@@ -80,7 +80,7 @@ def forced(rule: str, settings: Any) -> bool:
 def _plan_file(config: Mapping[str, Any], results: Path) -> Path:
     unknown = set(config) - {"plan", "overrides"}
     if unknown:
-        raise UserError(f"--config {', '.join(sorted(unknown))}: unknown; allowed are plan=FILE and overrides=\"...\"")
+        raise UserError(f'--config {", ".join(sorted(unknown))}: unknown; allowed are plan=FILE and overrides="..."')
     if config.get("plan"):
         return Path(str(config["plan"]))
     # Composition needs Hydra; a job that is handed a plan does without.
@@ -88,7 +88,9 @@ def _plan_file(config: Mapping[str, Any], results: Path) -> Path:
     from pipeline.config.compose import expand
 
     overrides = config.get("overrides")
-    runs = expand(split_overrides(str(overrides))) if overrides else [[f"study={name}"] for name in plans.DEFAULT_STUDIES]
+    runs = (
+        expand(split_overrides(str(overrides))) if overrides else [[f"study={name}"] for name in plans.DEFAULT_STUDIES]
+    )
     return planfile.save(plans.make_plan(runs), results)
 
 

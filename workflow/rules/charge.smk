@@ -4,12 +4,12 @@ rule compile_engine:
         lambda wildcards: flow.needs(wildcards.chunk),
     output:
         flow.receipt("engine"),
-    params:
-        again=again("compile_engine"),
     log:
         flow.log("engine"),
     benchmark:
         flow.benchmark("engine")
+    params:
+        again=again("compile_engine"),
     message:
         "Engine: compiling the kernels (once for each version of their code): {wildcards.chunk}"
     shell:
@@ -21,12 +21,12 @@ rule charge_battery:
         lambda wildcards: flow.needs(wildcards.chunk),
     output:
         flow.receipt("charge"),
-    params:
-        again=again("charge_battery"),
     log:
         flow.log("charge"),
     benchmark:
         flow.benchmark("charge")
+    params:
+        again=again("charge_battery"),
     message:
         "Charge: {wildcards.chunk}"
     shell:

@@ -4,12 +4,12 @@ rule judge_statements:
         lambda wildcards: flow.needs(wildcards.chunk),
     output:
         flow.receipt("verdicts"),
-    params:
-        again=again("judge_statements"),
     log:
         flow.log("verdicts"),
     benchmark:
         flow.benchmark("verdicts")
+    params:
+        again=again("judge_statements"),
     message:
         "Verdicts on the published statements: {wildcards.chunk}"
     shell:
@@ -21,12 +21,12 @@ rule draw_figures:
         lambda wildcards: flow.needs(wildcards.chunk),
     output:
         flow.receipt("figures"),
-    params:
-        again=again("draw_figures"),
     log:
         flow.log("figures"),
     benchmark:
         flow.benchmark("figures")
+    params:
+        again=again("draw_figures"),
     message:
         "Figures: {wildcards.chunk}"
     shell:
@@ -38,12 +38,12 @@ rule write_page:
         lambda wildcards: flow.needs(wildcards.chunk),
     output:
         flow.receipt("page"),
-    params:
-        again=again("write_page"),
     log:
         flow.log("page"),
     benchmark:
         flow.benchmark("page")
+    params:
+        again=again("write_page"),
     message:
         "Report page: {wildcards.chunk}"
     shell:
@@ -55,12 +55,12 @@ rule publish_run:
         lambda wildcards: flow.needs(wildcards.chunk),
     output:
         flow.receipt("publish"),
-    params:
-        again=again("publish_run"),
     log:
         flow.log("publish"),
     benchmark:
         flow.benchmark("publish")
+    params:
+        again=again("publish_run"),
     message:
         "Publishing: {wildcards.chunk}"
     shell:

@@ -4,12 +4,12 @@ rule fit_panel:
         lambda wildcards: flow.needs(wildcards.chunk),
     output:
         flow.receipt("panel"),
-    params:
-        again=again("fit_panel"),
     log:
         flow.log("panel"),
     benchmark:
         flow.benchmark("panel")
+    params:
+        again=again("fit_panel"),
     message:
         "Panel: parameters, curves, maximum power: {wildcards.chunk}"
     shell:
@@ -21,12 +21,12 @@ rule power_supply:
         lambda wildcards: flow.needs(wildcards.chunk),
     output:
         flow.receipt("supply"),
-    params:
-        again=again("power_supply"),
     log:
         flow.log("supply"),
     benchmark:
         flow.benchmark("supply")
+    params:
+        again=again("power_supply"),
     message:
         "Supply: power at the battery's terminals: {wildcards.chunk}"
     shell:

@@ -39,8 +39,11 @@ def main(arguments: Sequence[str]) -> int:
         return 0
     plan = make_plan(runs)
     file = planfile.save(plan, store.RESULTS)
-    print(f"plan {file}: {len(runs)} run{'s' * (len(runs) != 1)}, {len(plan['nodes'])} artefacts, "
-          f"{len(plan['chunks'])} jobs at most", flush=True)
+    print(
+        f"plan {file}: {len(runs)} run{'s' * (len(runs) != 1)}, {len(plan['nodes'])} artefacts, "
+        f"{len(plan['chunks'])} jobs at most",
+        flush=True,
+    )
     return _snakemake(file, options_)
 
 

@@ -130,7 +130,7 @@ def _compose(words: list[str]) -> dict[str, Any]:
         return tree  # type: ignore[no-any-return]
     except MissingConfigException as error:
         raise _missing_option(error) from None
-    except (ConfigCompositionException, HydraException, OmegaConfBaseException) as error:
+    except (ConfigCompositionException, HydraException, OmegaConfBaseException, ValueError) as error:
         raise _refused(error, words) from None
     except yaml.YAMLError as error:
         raise UserError(f"conf/: not readable YAML: {error}") from None
@@ -147,19 +147,23 @@ def _check_syntax(words: Iterable[str]) -> None:
     parser = OverridesParser.create()
     for word in words:
         try:
-            parser.parse_override(word)
+            understood = bool(parser.parse_override(word).key_or_group)
         except HydraException:
+            understood = False
+        if not understood:
             raise UserError(
                 f"override {word!r}: not understood; allowed is key=value or group=option, "
                 "e.g. battery=lead_acid_12v18ah or modes.cv_reflex.frequency_hz=50"
-            ) from None
+            )
 
 
 def _missing_option(error: MissingConfigException) -> UserError:
     missing = error.missing_cfg_file or ""
     group, _, option = missing.rpartition("/")
     if group and (CONF / group).is_dir():
-        return UserError(f"override {group}={option}: no conf/{group}/{option}.yaml; {best_matches(option, options(group))}")
+        return UserError(
+            f"override {group}={option}: no conf/{group}/{option}.yaml; {best_matches(option, options(group))}"
+        )
     return UserError(f"no configuration {missing!r}: {str(error).splitlines()[0]}; groups: {', '.join(groups())}")
 
 
@@ -170,7 +174,7 @@ def _refused(error: Exception, words: Iterable[str]) -> UserError:
         parsed = parser.parse_override(word)
         if parsed.is_add() or parsed.is_delete() or f"'{parsed.key_or_group}'" not in str(error):
             continue
-        tree = _compose([])
+        tree = _compose(_mode_words(()))
         keys = parsed.key_or_group.split(".")
         here: Any = tree
         for depth, key in enumerate(keys):

@@ -13,7 +13,9 @@ from pipeline.errors import UserError, best_matches
 Origin = Callable[[str], str] | str
 
 
-def explain(error: ValidationError, tree: Any, prefix: str, origin: Origin, model: type[BaseModel] | None = None) -> UserError:
+def explain(
+    error: ValidationError, tree: Any, prefix: str, origin: Origin, model: type[BaseModel] | None = None
+) -> UserError:
     """Turn a refusal into file, key path, value, what is allowed, and the closest known name.
 
     Arguments
@@ -26,8 +28,9 @@ def explain(error: ValidationError, tree: Any, prefix: str, origin: Origin, mode
     lines: list[str] = []
     for mistake in error.errors(include_url=False):
         path, parent = _key_path(mistake["loc"], tree)
+        named = _named_key(mistake, path, tree)
         full = ".".join(part for part in (prefix, *path) if part)
-        where = origin if isinstance(origin, str) else origin(full)
+        where = origin if isinstance(origin, str) else origin(f"{full}.{named}" if named else full)
         line = f"{where}: {full}: {_sentence(mistake, path, parent, model)}"
         if line not in lines:
             lines.append(line)
@@ -46,11 +49,25 @@ def _key_path(location: tuple[int | str, ...], tree: Any) -> tuple[list[str], An
         if inside:
             parent, here = here, here[part]
             path.append(str(part))
-        elif last and isinstance(here, Mapping) and isinstance(part, str) and part.replace("_", "").isalnum():
-            if part[:1].islower() and part not in ("float", "int", "str", "bool", "list", "dict"):
-                parent = here
-                path.append(part)
+        elif last and isinstance(here, Mapping) and _is_key(part):
+            parent = here
+            path.append(str(part))
     return path, parent
+
+
+def _is_key(part: int | str) -> bool:
+    """Tell a missing key from the name of a union's member, which pydantic puts at the same place."""
+    words = isinstance(part, str) and part.replace("_", "").isalnum() and part[:1].islower()
+    return words and part not in ("float", "int", "str", "bool", "list", "dict")
+
+
+def _named_key(mistake: Any, path: list[str], tree: Any) -> str | None:
+    """Return the key a record's own message begins with, where it is one of the record's: the one to blame."""
+    here = tree
+    for key in path:
+        here = here[int(key)] if isinstance(here, list | tuple) else here.get(key, {})
+    word = str(mistake["msg"]).removeprefix("Value error, ").split(" ")[0]
+    return word if isinstance(here, Mapping) and word in here else None
 
 
 def _sentence(mistake: Any, path: list[str], parent: Any, model: type[BaseModel] | None) -> str:

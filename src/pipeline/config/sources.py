@@ -144,8 +144,10 @@ def _check_names_a_value(composed: Composed, values: Mapping[str, Any], path: st
             continue
         parent = ".".join(keys[:depth])
         known = list(here) if isinstance(here, Mapping) else []
-        raise UserError(f"{composed.origin(parent)}: sources of {parent} name {key!r}, which is no key there; "
-                        f"{best_matches(key, known)}")
+        raise UserError(
+            f"{composed.origin(parent)}: sources of {parent} name {key!r}, which is no key there; "
+            f"{best_matches(key, known)}"
+        )
 
 
 def _covering(records: Mapping[str, Source], path: str) -> Source | None:

@@ -117,8 +117,10 @@ def _choose_modes(composed: Composed, values: dict[str, Any]) -> dict[str, Any]:
     known = {name: mode for name, mode in values.get("modes", {}).items() if name != "run"}
     run = values.get("modes", {}).get("run")
     if not isinstance(run, list) or not run:
-        raise UserError(f"{composed.origin('modes.run')}: modes.run: value {run!r}; allowed is a list of modes, "
-                        f"{best_matches('', known)}")
+        raise UserError(
+            f"{composed.origin('modes.run')}: modes.run: value {run!r}; allowed is a list of modes, "
+            f"{best_matches('', known)}"
+        )
     wanted = [*run]
     for name, comparison in (values.get("comparisons") or {}).items():
         reference = (comparison or {}).get("mean_current_of")
@@ -126,12 +128,15 @@ def _choose_modes(composed: Composed, values: dict[str, Any]) -> dict[str, Any]:
             wanted.append(reference)
             if reference not in known:
                 path = f"comparisons.{name}.mean_current_of"
-                raise UserError(f"{composed.origin(path)}: {path}: no mode {reference!r}; "
-                                f"{best_matches(str(reference), known)}")
+                raise UserError(
+                    f"{composed.origin(path)}: {path}: no mode {reference!r}; {best_matches(str(reference), known)}"
+                )
     for name in run:
         if name not in known:
-            raise UserError(f"{composed.origin('modes.run')}: modes.run: no mode {name!r} in conf/modes; "
-                            f"{best_matches(str(name), known)}")
+            raise UserError(
+                f"{composed.origin('modes.run')}: modes.run: no mode {name!r} in conf/modes; "
+                f"{best_matches(str(name), known)}"
+            )
     if len(set(run)) < len(run):
         raise UserError(f"{composed.origin('modes.run')}: modes.run: value {run}; each mode may stand there once")
     return values | {"modes": {name: known[name] for name in dict.fromkeys(wanted)}, "run": list(run)}

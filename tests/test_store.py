@@ -1,0 +1,143 @@
+"""The store holds whole artefacts or none."""
+
+from __future__ import annotations
+
+import json
+import os
+import stat
+import subprocess
+import sys
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+
+from pipeline import store
+from pipeline.store import StoreError
+
+KEY = "a" * 64
+
+
+def _writer(text: str) -> Callable[[Path], None]:
+    def write(folder: Path) -> None:
+        (folder / "one.txt").write_text(text)
+        (folder / "part").mkdir()
+        (folder / "part" / "two.txt").write_text(text * 2)
+
+    return write
+
+
+def test_an_artefact_is_sealed_and_read_only(tmp_path: Path) -> None:
+    made = store.make(tmp_path, "step", KEY, _writer("x"))
+    folder = store.artefact(tmp_path, "step", KEY)
+    assert sorted(made) == ["one.txt", "part/two.txt"]
+    assert store.damage(folder) is None
+    assert stat.S_IMODE((folder / "one.txt").stat().st_mode) == 0o444
+
+
+def test_what_is_there_is_not_made_again(tmp_path: Path) -> None:
+    first = store.make(tmp_path, "step", KEY, _writer("x"))
+
+    def never(folder: Path) -> None:
+        raise AssertionError("computed although it is there")
+
+    assert store.make(tmp_path, "step", KEY, never) == first
+
+
+@pytest.mark.parametrize("fault", ["changed", "missing", "unsealed"])
+def test_damage_is_seen_and_mended(fault: str, tmp_path: Path) -> None:
+    store.make(tmp_path, "step", KEY, _writer("x"))
+    folder = store.artefact(tmp_path, "step", KEY)
+    victim = folder / ("contents.json" if fault == "unsealed" else "one.txt")
+    victim.chmod(0o644)
+    victim.write_text("y") if fault == "changed" else victim.unlink()
+    assert store.damage(folder) is not None
+    store.make(tmp_path, "step", KEY, _writer("x"))
+    assert store.damage(folder) is None
+
+
+def test_computing_again_compares(tmp_path: Path) -> None:
+    store.make(tmp_path, "step", KEY, _writer("x"))
+    store.make(tmp_path, "step", KEY, _writer("x"), again=True)
+    with pytest.raises(StoreError, match=r"one\.txt"):
+        store.make(tmp_path, "step", KEY, _writer("y"), again=True)
+    assert (store.artefact(tmp_path, "step", KEY) / "one.txt").read_text() == "x"
+
+
+def test_a_failing_step_leaves_nothing(tmp_path: Path) -> None:
+    def fail(folder: Path) -> None:
+        (folder / "half.txt").write_text("half")
+        raise RuntimeError("no")
+
+    with pytest.raises(RuntimeError):
+        store.make(tmp_path, "step", KEY, fail)
+    assert list((tmp_path / "store" / "step").iterdir()) == []
+
+
+def test_an_empty_artefact_is_refused(tmp_path: Path) -> None:
+    with pytest.raises(StoreError, match="nothing"):
+        store.make(tmp_path, "step", KEY, lambda folder: None)
+
+
+KILLED = """
+import sys, time
+from pathlib import Path
+from pipeline import store
+
+def write(folder):
+    (folder / "one.txt").write_text("half")
+    print("writing", flush=True)
+    time.sleep(60)
+
+store.make(Path(sys.argv[1]), "step", "a" * 64, write)
+"""
+
+
+def test_a_killed_job_leaves_nothing_that_counts(tmp_path: Path) -> None:
+    environment = os.environ | {"PYTHONPATH": str(Path(store.__file__).parents[1])}
+    job = subprocess.Popen(
+        [sys.executable, "-c", KILLED, str(tmp_path)], stdout=subprocess.PIPE, text=True, env=environment
+    )
+    assert job.stdout is not None
+    assert job.stdout.readline() == "writing\n"
+    job.kill()
+    job.wait()
+    job.stdout.close()
+    assert store.damage(store.artefact(tmp_path, "step", KEY)) is not None
+    store.make(tmp_path, "step", KEY, _writer("x"))
+    assert [path.name for path in (tmp_path / "store" / "step").iterdir()] == [KEY]
+
+
+def test_broken_receipts_are_dropped(tmp_path: Path) -> None:
+    made = store.make(tmp_path, "step", KEY, _writer("x"))
+    chunks = {"good-1": {"step": "step"}, "gone-1": {"step": "step"}, "torn-1": {"step": "step"}}
+    store.write_receipt(tmp_path, "step", "good-1", {KEY: made}, {})
+    store.write_receipt(tmp_path, "step", "gone-1", {"b" * 64: made}, {})
+    store.receipt(tmp_path, "step", "torn-1").write_text('{"step": "st')
+    assert sorted(store.drop_broken_receipts(tmp_path, chunks)) == ["gone-1", "torn-1"]
+    assert store.receipt(tmp_path, "step", "good-1").is_file()
+
+
+def test_a_receipt_of_a_view_ends_with_the_view(tmp_path: Path) -> None:
+    manifest = tmp_path / "study" / "run" / "manifest.json"
+    store.write_json(manifest, {"digest": "one"})
+    store.write_receipt(tmp_path, "publish", "p-1", {}, {str(manifest): "one"})
+    assert store.drop_broken_receipts(tmp_path, {"p-1": {"step": "publish"}}) == []
+    store.write_json(manifest, {"digest": "two"})
+    assert store.drop_broken_receipts(tmp_path, {"p-1": {"step": "publish"}}) == ["p-1"]
+
+
+def test_links_replace_and_leave_no_second_name(tmp_path: Path) -> None:
+    for name in ("a", "b"):
+        (tmp_path / name).write_text(name)
+    target = tmp_path / "view" / "x"
+    for name in ("a", "a", "b"):
+        store.link(tmp_path / name, target)
+        assert target.read_text() == name
+    assert [path.name for path in target.parent.iterdir()] == ["x"]
+
+
+def test_texts_are_written_whole(tmp_path: Path) -> None:
+    store.write_json(tmp_path / "deep" / "x.json", {"b": 1, "a": [1.5]})
+    assert json.loads((tmp_path / "deep" / "x.json").read_text()) == {"a": [1.5], "b": 1}
+    assert [path.name for path in (tmp_path / "deep").iterdir()] == ["x.json"]
