@@ -83,7 +83,7 @@ class Lookup:
             if not len(found):
                 raise _unknown(value, value.quantity, data["quantity"].tolist())
             return np.asarray(found)
-        return _column(value, value.quantity, data)[_chosen(value, data)]
+        return np.asarray(_column(value, value.quantity, data)[_chosen(value, data)])
 
     def series(self, value: Value) -> tuple[np.ndarray[Any, Any], np.ndarray[Any, Any]]:
         """Return the time in s and a column over the rows chosen."""

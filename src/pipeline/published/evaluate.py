@@ -56,7 +56,7 @@ def _row(name: str, stated: Statement, artefacts: Lookup, samples: list[Sample],
     share, counted = _robust_share(stated, samples)
     return row | {
         "verdict": verdict_of(outcome.holds, calibrated),
-        "published_value": _finite(outcome.published),
+        "published_value": _finite(outcome.published) if stated.form == "number" else None,
         "computed_value": _finite(outcome.computed),
         "tolerance": _finite(outcome.tolerance),
         "margin": _finite(outcome.margin),

@@ -144,6 +144,9 @@ class Statement(Record):
 
     where: str = Field(min_length=1, description="where it stands in the paper")
     says: str = Field(min_length=1, description="what it says, in the paper's words where they are words")
+    form: Literal["number", "table", "figure", "claim"] = Field(
+        default="claim", description="what is published: a printed number, a table, a figure, or words"
+    )
     basis: Literal["paper_data", "model", "none"] = Field(
         description="paper_data: follows from the paper's own numbers; model: our simulation; none: too little is given"
     )

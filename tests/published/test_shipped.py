@@ -1,0 +1,128 @@
+"""The shipped statements: every name in them exists, and every verdict follows from the artefacts, both ways."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import pytest
+import yaml
+
+from pipeline import schemas, tables
+from pipeline.errors import UserError
+from pipeline.published.artefacts import Lookup
+from pipeline.published.checks import check
+from pipeline.published.evaluate import evaluate
+from pipeline.published.names import summary_quantities
+from pipeline.published.records import Statement, needs
+from tests.published.conftest import CONF, write_charge, write_points, write_reference
+
+STATEMENTS = list(yaml.safe_load((CONF / "solar_reflex.yaml").read_text(encoding="utf-8")))
+MODES = ("cc_cv", "cv_pulse", "cv_reflex")
+INPUTS = {"panel", "supply", "reference/solar_table1"} | {
+    f"charge/{comparison}/{mode}" for comparison in ("same_peak", "same_mean") for mode in MODES
+}
+MARKS = (0.8, 0.95)
+# mode -> time to 95 %, peak rise, rise at 95 %, charge efficiency, energy efficiency
+AS_PUBLISHED = {
+    "cc_cv": (9500.0, 22.0, 20.0, 0.970, 0.90),
+    "cv_pulse": (9800.0, 6.0, 5.0, 0.960, 0.89),
+    "cv_reflex": (9700.0, 4.0, 3.0, 0.975, 0.89),
+}
+OTHERWISE = {
+    "cc_cv": (9500.0, 5.0, 4.0, 0.990, 0.95),
+    "cv_pulse": (9000.0, 5.5, 6.0, 0.980, 0.90),
+    "cv_reflex": (5000.0, 6.0, 5.0, 0.950, 0.91),
+}
+
+
+def world(folder: Path, modes: dict[str, Any], final_soc: float, bulk_end_s: float, **points: float) -> Lookup:
+    folders = {name: folder / name for name in INPUTS}
+    for name in INPUTS - {"panel", "supply", "reference/solar_table1"}:
+        time, peak, rise, charge, energy = modes[name.split("/")[2]]
+        summary = {
+            "time_to_soc_0.95_s": time,
+            "peak_temperature_rise_k": peak,
+            "peak_temperature_c": 25.0 + peak,
+            "temperature_rise_at_soc_0.95_k": rise,
+            "charge_efficiency": charge,
+            "energy_efficiency": energy,
+        }
+        write_charge(folders[name], summary, bulk_end_s, final_soc)
+    write_points(folders["panel"], **points)
+    folders["reference/solar_table1"].mkdir(parents=True)
+    printed = {} if final_soc > 0.95 else {"power_w": 70.0}
+    write_reference(folders["reference/solar_table1"] / "solar_table1.csv", **printed)
+    return Lookup(folders)
+
+
+@pytest.fixture(scope="module")
+def verdicts(tmp_path_factory: pytest.TempPathFactory, shipped: dict[str, Statement]) -> dict[str, dict[str, str]]:
+    """Return world -> statement -> verdict."""
+    folder = tmp_path_factory.mktemp("worlds")
+    worlds = {
+        "as published": world(folder / "a", AS_PUBLISHED, 0.99, 3600.0),
+        "otherwise": world(folder / "b", OTHERWISE, 0.80, 1800.0, short_circuit_current_a=4.1),
+        "strong panel": world(folder / "c", AS_PUBLISHED, 0.99, 3600.0, max_power_w=300.0),
+        "empty": Lookup({}),
+    }
+    found = {}
+    for name, artefacts in worlds.items():
+        columns = evaluate(shipped, artefacts)
+        tables.to_arrow(schemas.VERDICTS, columns)
+        found[name] = dict(zip(columns["statement"], columns["verdict"], strict=True))
+    return found
+
+
+@pytest.mark.parametrize("statement", STATEMENTS)
+def test_no_verdict_is_constant(statement: str, verdicts: dict[str, dict[str, str]], shipped: Any) -> None:
+    if shipped[statement].basis == "none":
+        assert {found[statement] for found in verdicts.values()} == {"not checkable"}
+        return
+    holding = "strong panel" if statement == "charging_at_3c" else "as published"
+    assert verdicts[holding][statement] == "holds"
+    assert verdicts["otherwise"][statement] == "contradicted"
+    assert verdicts["empty"][statement] == "not checkable"
+
+
+def test_every_name_exists(shipped: dict[str, Statement]) -> None:
+    check(shipped, INPUTS, MARKS, calibrated_to=["table_1"])
+    assert set().union(*(needs(stated) for stated in shipped.values())) == INPUTS - {"supply"}
+
+
+def test_the_printed_table_is_the_papers(shipped: dict[str, Statement]) -> None:
+    """Table 1 holds for its own numbers; the shipped file is read, not a copy in the test."""
+    reader = Lookup({"reference/solar_table1": CONF / "reference"})
+    columns = evaluate({"table_1_power": shipped["table_1_power"]}, reader)
+    assert (columns["verdict"], columns["computed_value"]) == (["holds"], [65.25])
+
+
+@pytest.mark.parametrize(
+    ("operand", "message"),
+    [
+        ("soc of charge/same_peek/cc_cv.trace", "unknown comparison 'same_peek'.*same_peak"),
+        ("soc of charge/same_peak/cc_vc.trace", "unknown mode 'cc_vc'.*cc_cv"),
+        ("soc of charges/same_peak/cc_cv.trace", "unknown input 'charges/same_peak/cc_cv'"),
+        ("soc of charge/same_peak/cc_cv.traces", "no table 'traces'.*trace"),
+        ("voc of panel", "nothing called 'voc'"),
+        ("time_to_soc_0.9_s of charge/same_peak/cc_cv", "nothing called 'time_to_soc_0.9_s'.*time_to_soc_0.95_s"),
+        ("end_s of charge/same_peak/cc_cv.phases where fase=bulk", "nothing called 'fase'.*phase"),
+        ("p_max_w of reference/solar_table2", "unknown input 'reference/solar_table2'.*solar_table1"),
+        ("p_max_w of reference/solar_table1.rows", "no table 'rows'"),
+    ],
+)
+def test_a_name_that_does_not_exist_is_refused_with_the_best_matches(operand: str, message: str) -> None:
+    stated = Statement.model_validate(
+        {"where": "x", "says": "y", "basis": "model", "check": {"less": {"value": operand, "than": 1}}}
+    )
+    with pytest.raises(UserError, match=rf"published\.wrong: .*{message}"):
+        check({"wrong": stated}, INPUTS, MARKS)
+
+
+def test_a_calibration_to_an_unknown_statement_is_refused(shipped: dict[str, Statement]) -> None:
+    with pytest.raises(UserError, match=r"'table_2'.*table_1"):
+        check(shipped, INPUTS, MARKS, calibrated_to=["table_2"])
+
+
+def test_marks_become_quantities() -> None:
+    assert {"time_to_soc_0.8_s", "temperature_rise_at_soc_0.95_k"} <= summary_quantities(MARKS)
