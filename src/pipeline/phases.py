@@ -9,6 +9,7 @@ from typing import Any
 from pipeline.charge.comparison import at_same_mean, constant_current_a
 from pipeline.charge.records import Mode
 from pipeline.config.study import Study
+from pipeline.planfile import command
 from pipeline.published.records import needs
 from pipeline.record import Record
 
@@ -20,7 +21,8 @@ class Draft:
     `name` is unique in a run; `settings` is the node's own sub-tree; `inputs` maps the name under which the step
     finds an input to the name of the node that makes it; `sections` are the key paths of the configuration the
     node itself depends on; `shown` maps files of the artefact (`*`: all of them, names kept) to places in the
-    readable view, which is under `results/` or `reports/`.
+    readable view, which is under `results/` or `reports/`; `modules` are those the step imports by a name that stands
+    in its settings.
     """
 
     step: str
@@ -31,6 +33,7 @@ class Draft:
     sections: tuple[str, ...] = ()
     shown: dict[str, str] = field(default_factory=dict)
     view: str = "results"
+    modules: tuple[str, ...] = ()
 
 
 def drafts(study: Study) -> list[Draft]:
@@ -99,8 +102,8 @@ def _charges(study: Study) -> Iterator[Draft]:
     for comparison, mode_name, mode in compared_modes(study):
         settings = plain({"battery": study.battery, "mode": mode, "charge": study.charge, "engine": study.engine})
         # Titles are for readers; changing one must not charge the battery again.
-        settings["mode"].pop("title", None)
-        settings["battery"].pop("title", None)
+        settings["mode"]["title"] = mode_name
+        settings["battery"]["title"] = study.battery.name
         place = f"charge/{comparison}/{mode_name}"
         yield Draft(
             "charge",
@@ -164,6 +167,7 @@ def _figures(study: Study, nodes: list[Draft]) -> Iterator[Draft]:
             inputs=inputs,
             shown={f"{identifier}.{kind}": f"figures/{identifier}.{kind}" for kind in ("svg", "png")},
             view="reports",
+            modules=(f"pipeline.report.figures.{card.draw}",),
         )
 
 
@@ -176,7 +180,9 @@ def _wanted(node: Draft, reads: Iterable[str], comparison: str | None) -> bool:
 def _labels(study: Study) -> dict[str, Any]:
     """What every reader of charges needs to name them: titles, and the modes as configured."""
     return {
-        "modes": {name: plain(study.modes[name]) for name in study.run},
+        "modes": {
+            name: {"title": study.modes[name].title, "knobs": plain(study.modes[name].knobs)} for name in study.run
+        },
         "comparisons": {name: comparison.title for name, comparison in study.comparisons.items()},
     }
 
@@ -195,7 +201,7 @@ def _page(study: Study, nodes: list[Draft]) -> Iterator[Draft]:
             "parameters": [
                 {"path": path, "value": values[path], **plain(source)} for path, source in study.sources.items()
             ],
-            "overrides": list(study.overrides),
+            "command": command(study.overrides),
             **_labels(study),
         },
         inputs=read,

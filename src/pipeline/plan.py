@@ -18,10 +18,11 @@ from pipeline.errors import UserError
 from pipeline.phases import Draft, drafts, plain
 from pipeline.planfile import STEPS, VERSION
 
-# Files a step reads beside its inputs, relative to the package; their content is part of the key.
+# Files a step reads beside its inputs, relative to the project; their content is part of the key.
 STEP_FILES: dict[str, tuple[str, ...]] = {
-    "figures": ("report/*.mplstyle",),
-    "page": ("report/templates/*",),
+    "verdicts": ("conf/published/reference/*.csv",),
+    "figures": ("src/pipeline/report/*.mplstyle",),
+    "page": ("src/pipeline/report/templates/*", "conf/published/reference/*.csv"),
 }
 # Nodes a job takes at most, in a single run and in a sweep.
 CHUNK_SIZE = {
@@ -98,8 +99,8 @@ def _identity(node: Draft, keys: Mapping[str, str]) -> dict[str, Any]:
     return {
         "step": node.step,
         "settings": node.settings,
-        "code": digest.of_code(f"pipeline.steps.{node.step}"),
-        "files": {path.relative_to(digest.PACKAGE).as_posix(): digest.of_file(path) for path in step_files(node.step)},
+        "code": [digest.of_code(module) for module in (f"pipeline.steps.{node.step}", *node.modules)],
+        "files": {path.relative_to(digest.PROJECT).as_posix(): digest.of_file(path) for path in step_files(node.step)},
         "inputs": {name: keys[maker] for name, maker in node.inputs.items()},
         "lock": digest.of_lock(),
     }
@@ -107,7 +108,7 @@ def _identity(node: Draft, keys: Mapping[str, str]) -> dict[str, Any]:
 
 def step_files(step: str) -> list[Path]:
     """Return the files a step declares that it reads beside its inputs."""
-    return sorted(path for pattern in STEP_FILES.get(step, ()) for path in digest.PACKAGE.glob(pattern))
+    return sorted(path for pattern in STEP_FILES.get(step, ()) for path in digest.PROJECT.glob(pattern))
 
 
 def _nodes(run: Run) -> dict[str, dict[str, Any]]:

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Mapping
+import shlex
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -34,3 +35,9 @@ def load(path: Path) -> dict[str, Any]:
     if not isinstance(plan, dict) or plan.get("version") != VERSION:
         raise UserError(f"plan {path}: not a plan of version {VERSION}; make it anew with --config overrides=...")
     return plan
+
+
+def command(overrides: Sequence[str]) -> str:
+    """Return the command that makes a run."""
+    words = " ".join(overrides)
+    return "snakemake --cores 2 all" + (f" --config overrides={shlex.quote(words)}" if words else "")

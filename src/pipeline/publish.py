@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import json
 import platform
-import shlex
 import subprocess
 from collections.abc import Collection, Iterator, Mapping
 from importlib import metadata
@@ -12,6 +11,7 @@ from pathlib import Path
 from typing import Any
 
 from pipeline import digest, store
+from pipeline.planfile import command
 
 VERSIONS_OF = (
     "charge-pipeline",
@@ -71,12 +71,6 @@ def view_folder(results: Path, run: Mapping[str, Any], room: str) -> Path:
     """Return the folder of a run's view in `results/` or in `reports/` beside it."""
     base = results if room == "results" else results.parent / room
     return base / str(run["study"]) / str(run["name"])
-
-
-def command(overrides: list[str]) -> str:
-    """Return the command that makes a run."""
-    words = " ".join(overrides)
-    return "snakemake --cores 2 all" + (f" --config overrides={shlex.quote(words)}" if words else "")
 
 
 def _places(run: Mapping[str, Any], results: Path, steps: Collection[str]) -> Iterator[tuple[Path, dict[str, Any]]]:

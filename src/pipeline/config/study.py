@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
+from pathlib import Path
 from typing import Any
 
 from pydantic import Field, ValidationError
@@ -11,7 +12,7 @@ from pydantic import Field, ValidationError
 from pipeline.cell.records import Battery
 from pipeline.charge import checks as charge_checks
 from pipeline.charge.records import ChargeSettings, EngineSettings, Mode
-from pipeline.config.compose import Composed, options
+from pipeline.config.compose import CONF, Composed, options
 from pipeline.config.messages import explain
 from pipeline.config.sources import Source, attribute, leaves, split
 from pipeline.converter import checks as supply_checks
@@ -163,11 +164,16 @@ def _check_together(composed: Composed, study: Study) -> None:
         published_checks.check(study.published, _makeable(study), study.charge.soc_marks, calibrated)
 
 
+def reference_tables() -> list[Path]:
+    """Return the CSV files of the papers' own tables, which statements read as `reference/<name>`."""
+    return sorted((CONF / "published" / "reference").glob("*.csv"))
+
+
 def _makeable(study: Study) -> set[str]:
     """Return every input the study could make, also with modes that this run leaves out."""
     supplied = {"panel", "supply"} if study.panel is not None else set()
     charges = {f"charge/{comparison}/{mode}" for comparison in study.comparisons for mode in options("modes")}
-    return supplied | charges
+    return supplied | charges | {f"reference/{path.stem}" for path in reference_tables()}
 
 
 @contextmanager

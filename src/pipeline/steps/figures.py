@@ -2,3 +2,17 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+from pipeline.report.data import ModeLabel, ReportData
+from pipeline.report.draw import draw
+from pipeline.report.records import FigureCard
+
+
+def run(settings: Mapping[str, Any], inputs: Mapping[str, Path], output: Path) -> None:
+    """Draw the figure."""
+    modes = {name: ModeLabel(mode["title"], mode["knobs"]) for name, mode in settings["modes"].items()}
+    data = ReportData(inputs, modes, settings["comparisons"])
+    draw(settings["id"], FigureCard.model_validate(settings["card"]), data, output)

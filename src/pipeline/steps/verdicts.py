@@ -7,12 +7,16 @@ from pathlib import Path
 from typing import Any
 
 from pipeline import schemas, tables
+from pipeline.digest import PROJECT
 from pipeline.published.evaluate import Lookup, evaluate
 from pipeline.published.records import Statement
+
+REFERENCE = PROJECT / "conf" / "published" / "reference"
 
 
 def run(settings: Mapping[str, Any], inputs: Mapping[str, Path], output: Path) -> None:
     """Judge every statement."""
     statements = {name: Statement.model_validate(data) for name, data in settings["statements"].items()}
-    verdicts = evaluate(statements, Lookup(inputs), set(settings["calibrated"]))
+    tables_of_papers = {f"reference/{path.stem}": path for path in REFERENCE.glob("*.csv")}
+    verdicts = evaluate(statements, Lookup({**inputs, **tables_of_papers}), set(settings["calibrated"]))
     tables.write(schemas.VERDICTS, verdicts, output / "verdicts.parquet")

@@ -1,0 +1,60 @@
+"""Page: every artefact of a run in; the report's page and its tables as CSV out."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+from pipeline import schemas, tables
+from pipeline.digest import PROJECT
+from pipeline.report import tables as report_tables
+from pipeline.report.data import ModeLabel, ReportData
+from pipeline.report.pages import PageContent, PageFigure, Paper, render
+from pipeline.report.parameters import parameters
+from pipeline.report.tables import ReportTable
+
+REFERENCE = PROJECT / "conf" / "published" / "reference"
+
+
+def run(settings: Mapping[str, Any], inputs: Mapping[str, Path], output: Path) -> None:
+    """Write `index.html` and `tables/*.csv`."""
+    modes = {name: ModeLabel(mode["title"], mode["knobs"]) for name, mode in settings["modes"].items()}
+    data = ReportData(inputs, modes, settings["comparisons"])
+    verdicts = _verdicts(inputs)
+    shown = _tables(data, inputs)
+    listed = parameters(settings["parameters"])
+    study = settings["study"]
+    page = PageContent(
+        title=study["title"],
+        subtitle=f"{study['question']} {settings['battery']}.",
+        paper=Paper(study["paper"], study["doi"]),
+        verdicts=verdicts,
+        figures=[_figure(name, card, inputs[f"figure/{name}"]) for name, card in settings["figures"].items()],
+        tables=shown,
+        parameters=listed,
+        command=settings["command"],
+        keys={name: folder.name for name, folder in sorted(inputs.items())},
+    )
+    (output / "index.html").write_text(render(page), encoding="utf-8")
+    (output / "tables").mkdir()
+    for table in [*shown, report_tables.verdicts(verdicts), report_tables.parameters(listed)]:
+        (output / "tables" / f"{table.name}.csv").write_text(report_tables.to_csv(table), encoding="utf-8")
+
+
+def _tables(data: ReportData, inputs: Mapping[str, Path]) -> list[ReportTable]:
+    shown = [report_tables.charges(data), report_tables.energy(data)]
+    if "panel" in inputs:
+        shown.insert(0, report_tables.table_1(data, REFERENCE / "solar_table1.csv"))
+    return shown
+
+
+def _verdicts(inputs: Mapping[str, Path]) -> dict[str, Any]:
+    if "verdicts" not in inputs:
+        return {column.name: [] for column in schemas.VERDICTS.columns}
+    return tables.read(schemas.VERDICTS, inputs["verdicts"] / "verdicts.parquet")
+
+
+def _figure(name: str, card: Mapping[str, Any], folder: Path) -> PageFigure:
+    svg = (folder / f"{name}.svg").read_text(encoding="utf-8")
+    return PageFigure(name, card["paper"], card["title"], card["caption"], svg, (folder / f"{name}.png").read_bytes())
