@@ -6,7 +6,7 @@ from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, field
 from typing import Any
 
-from pipeline.charge.comparison import at_same_mean, constant_current_a
+from pipeline.charge.comparison import compared
 from pipeline.charge.records import Mode
 from pipeline.config.study import Study
 from pipeline.planfile import command
@@ -41,6 +41,7 @@ def drafts(study: Study) -> list[Draft]:
     nodes: list[Draft] = []
     nodes += _supply(study)
     nodes += _charges(study)
+    nodes += _ensemble(study)
     nodes += _verdicts(study, nodes)
     nodes += _figures(study, nodes)
     nodes += _page(study, nodes)
@@ -68,10 +69,8 @@ def compared_modes(study: Study) -> Iterator[tuple[str, str, Mode]]:
     for name, comparison in study.comparisons.items():
         reference = comparison.mean_current_of
         for mode_name in study.run:
-            mode = study.modes[mode_name]
-            if reference is not None:
-                mode = at_same_mean(mode, constant_current_a(study.modes[reference], study.battery), study.battery)
-            yield name, mode_name, mode
+            other = None if reference is None else study.modes[reference]
+            yield name, mode_name, compared(study.modes[mode_name], other, study.battery)
 
 
 def _supply(study: Study) -> Iterator[Draft]:
@@ -98,7 +97,6 @@ def _supply(study: Study) -> Iterator[Draft]:
 
 def _charges(study: Study) -> Iterator[Draft]:
     yield Draft("engine", "engine", "engine", {})
-    inputs = {"engine": "engine"} | ({"supply": "supply"} if study.panel is not None else {})
     for comparison, mode_name, mode in compared_modes(study):
         settings = plain({"battery": study.battery, "mode": mode, "charge": study.charge, "engine": study.engine})
         # Titles are for readers; changing one must not charge the battery again.
@@ -110,11 +108,52 @@ def _charges(study: Study) -> Iterator[Draft]:
             charge_name(comparison, mode_name),
             f"{comparison}.{mode_name}",
             settings,
-            inputs=inputs,
+            inputs=_charge_inputs(study),
             sections=("battery", f"modes.{mode_name}", "charge"),
             shown={"trace.bdf.parquet": f"{place}.bdf.parquet"}
             | {f"{part}.parquet": f"{place}.{part}.parquet" for part in ("waveform", "summary", "phases", "energy")},
         )
+
+
+def _charge_inputs(study: Study) -> dict[str, str]:
+    return {"engine": "engine"} | ({"supply": "supply"} if study.panel is not None else {})
+
+
+def _ensemble(study: Study) -> Iterator[Draft]:
+    ranges = {
+        path: list(source.range)
+        for path, source in study.sources.items()
+        if source.range is not None and _below(path, ("battery", "modes", "charge"))
+    }
+    if study.ensemble.samples == 0 or not ranges:
+        return
+    charge = study.charge.model_copy(update={"windows": ()})
+    yield Draft(
+        "ensemble",
+        "ensemble",
+        study.study.name,
+        plain(
+            {
+                "battery": study.battery,
+                "modes": {name: _slowed(mode, study.ensemble.pulse_frequency_hz) for name, mode in study.modes.items()},
+                "charge": charge,
+                "engine": study.engine,
+                "ensemble": study.ensemble,
+                "ranges": ranges,
+                "seed": study.seed,
+                "run": study.run,
+                "comparisons": {name: card.mean_current_of for name, card in study.comparisons.items()},
+            }
+        ),
+        inputs=_charge_inputs(study),
+        sections=("battery", "modes", "charge"),
+        shown={"ensemble.parquet": "published/ensemble.parquet"},
+    )
+
+
+def _slowed(mode: Mode, frequency_hz: float) -> dict[str, Any]:
+    """Return a mode with every pulse at one frequency: also one whose frequency is yet to be found."""
+    return {key: frequency_hz if key.endswith("frequency_hz") else value for key, value in plain(mode).items()}
 
 
 def _verdicts(study: Study, nodes: list[Draft]) -> Iterator[Draft]:
@@ -122,6 +161,7 @@ def _verdicts(study: Study, nodes: list[Draft]) -> Iterator[Draft]:
         return
     known = {node.name for node in nodes}
     inputs = {name: name for statement in study.published.values() for name in needs(statement) if name in known}
+    inputs |= {"ensemble": "ensemble"} if "ensemble" in known else {}
     calibrated = {
         identifier: sorted(_calibrated(study, nodes, {name for name in needs(statement) if name in known}, identifier))
         for identifier, statement in study.published.items()

@@ -13,7 +13,7 @@ from pipeline.errors import UserError
 
 VERSION = 1
 # The order of the steps; a chunk needs only chunks of earlier steps.
-STEPS = ("panel", "supply", "engine", "charge", "verdicts", "figures", "page")
+STEPS = ("panel", "supply", "engine", "charge", "ensemble", "verdicts", "figures", "page")
 
 
 def save(plan: Mapping[str, Any], results: Path) -> Path:

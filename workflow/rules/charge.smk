@@ -31,3 +31,20 @@ rule charge_battery:
         "Charge: {wildcards.chunk}"
     shell:
         flow.command("charge")
+
+
+rule charge_ensemble:
+    input:
+        lambda wildcards: flow.needs(wildcards.chunk),
+    output:
+        flow.receipt("ensemble"),
+    log:
+        flow.log("ensemble"),
+    benchmark:
+        flow.benchmark("ensemble")
+    params:
+        again=again("charge_ensemble"),
+    message:
+        "Charges over the ranges of estimated parameters: {wildcards.chunk}"
+    shell:
+        flow.command("ensemble")

@@ -11,6 +11,7 @@ from pydantic import Field, ValidationError
 
 from pipeline.cell.records import Battery
 from pipeline.charge import checks as charge_checks
+from pipeline.charge.ensemble import EnsembleSettings
 from pipeline.charge.records import ChargeSettings, EngineSettings, Mode
 from pipeline.config.compose import CONF, Composed, options
 from pipeline.config.messages import explain
@@ -60,6 +61,7 @@ class Study(Record):
     comparisons: dict[str, Comparison] = Field(min_length=1)
     charge: ChargeSettings
     engine: EngineSettings = EngineSettings()
+    ensemble: EnsembleSettings = EnsembleSettings(samples=0)
     figures: dict[str, FigureCard] = Field(default_factory=dict)
     published: dict[str, Statement] = Field(default_factory=dict)
     sources: dict[str, Source]

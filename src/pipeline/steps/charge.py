@@ -6,12 +6,11 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-import numpy as np
-
 from pipeline import schemas, tables
 from pipeline.cell.records import Battery
 from pipeline.charge.records import ChargeSettings, EngineSettings, Mode
-from pipeline.charge.simulate import Supply, simulate
+from pipeline.charge.simulate import simulate
+from pipeline.steps.inputs import supply
 
 
 def run(settings: Mapping[str, Any], inputs: Mapping[str, Path], output: Path) -> None:
@@ -19,7 +18,7 @@ def run(settings: Mapping[str, Any], inputs: Mapping[str, Path], output: Path) -
     charge = simulate(
         Battery.model_validate(settings["battery"]),
         Mode.model_validate(settings["mode"]),
-        _supply(inputs),
+        supply(inputs),
         ChargeSettings.model_validate(settings["charge"]),
         EngineSettings.model_validate(settings["engine"]),
     )
@@ -30,11 +29,3 @@ def run(settings: Mapping[str, Any], inputs: Mapping[str, Path], output: Path) -
     tables.write(schemas.CHARGE_SUMMARY, summary, output / "summary.parquet")
     tables.write(schemas.CHARGE_PHASES, charge.phases, output / "phases.parquet")
     tables.write(schemas.CHARGE_ENERGY, charge.energy, output / "energy.parquet")
-
-
-def _supply(inputs: Mapping[str, Path]) -> Supply:
-    """Return the power at the battery's terminals; without a supply step, a bench supply that gives any."""
-    if "supply" not in inputs:
-        return Supply(time_s=np.zeros(1), power_w=np.full(1, np.inf))
-    table = tables.read(schemas.SUPPLY, inputs["supply"] / "supply.parquet")
-    return Supply(time_s=table["time_s"], power_w=table["battery_power_w"])

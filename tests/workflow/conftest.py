@@ -1,0 +1,106 @@
+"""A copy of the project with charges of minutes, in which Snakemake really runs."""
+
+from __future__ import annotations
+
+import os
+import re
+import shutil
+import subprocess
+import sys
+from collections import Counter
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).resolve().parents[2]
+PARTS = ("Snakefile", "workflow", "profiles", "conf", "src", "requirements.lock")
+
+
+@dataclass(frozen=True)
+class Project:
+    """A project folder and the commands a person types in it."""
+
+    folder: Path
+
+    def run(self, *words: str, code: int = 0, **environment: str) -> str:
+        """Run a command with the project's own sources; return what it printed."""
+        inherited = {key: value for key, value in os.environ.items() if not key.startswith(("PYTEST", "SNAKEMAKE"))}
+        settings = inherited | {"PYTHONPATH": str(self.folder / "src")} | environment
+        done = subprocess.run(
+            [sys.executable, "-m", *words],
+            cwd=self.folder,
+            env=settings,
+            stdout=subprocess.PIPE,
+            stderr=subprocess.STDOUT,
+            text=True,
+            stdin=subprocess.DEVNULL,
+        )
+        assert done.returncode == code, done.stdout
+        return done.stdout
+
+    def snakemake(self, *words: str, overrides: str = "", code: int = 0) -> str:
+        """Run Snakemake as the README says."""
+        config = ["--config", f"overrides={overrides}"] if overrides else []
+        return self.run("snakemake", "--cores", "2", *(words or ("all",)), *config, code=code)
+
+    def planned(self, overrides: str = "") -> Counter[str]:
+        """Return how many jobs of each rule a dry run announces."""
+        return rules(self.snakemake("-n", "all", overrides=overrides))
+
+    def edit(self, file: str, old: str, new: str) -> None:
+        """Replace a text that stands once in a file."""
+        path = self.folder / file
+        text = path.read_text()
+        assert text.count(old) == 1, f"{old!r} stands {text.count(old)} times in {file}"
+        path.write_text(text.replace(old, new))
+
+
+def rules(printed: str) -> Counter[str]:
+    """Return rule -> number of jobs from Snakemake's table of jobs."""
+    if "Nothing to be done" in printed:
+        return Counter()
+    table = printed.split("Job stats:")[1].split("total")[0]
+    found = {name: int(count) for name, count in re.findall(r"^(\w+)\s+(\d+)$", table, re.MULTILINE)}
+    return Counter({name: count for name, count in found.items() if name not in ("all", "job")})
+
+
+def copy_project(folder: Path) -> Project:
+    """Copy what a run needs, and let every charge stop after a few minutes."""
+    folder.mkdir(parents=True)
+    for part in PARTS:
+        source = ROOT / part
+        if source.is_dir():
+            shutil.copytree(source, folder / part, ignore=shutil.ignore_patterns("__pycache__"))
+        else:
+            shutil.copy2(source, folder / part)
+    for mode in (folder / "conf" / "modes").glob("*.yaml"):
+        mode.write_text(re.sub(r"elapsed_s: [\d.]+", "elapsed_s: 100", mode.read_text()))
+    study = folder / "conf" / "study" / "solar_reflex.yaml"
+    study.write_text(re.sub(r"samples: \d+", "samples: 2", study.read_text()))
+    return Project(folder)
+
+
+@pytest.fixture(scope="module")
+def project(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Project]:
+    """A copy of the project in which everything has been made once."""
+    made = copy_project(tmp_path_factory.mktemp("copy") / "project")
+    made.snakemake()
+    yield made
+    subprocess.run(["chmod", "-R", "u+w", str(made.folder)], check=True)
+
+
+@pytest.fixture
+def restored(project: Project) -> Iterator[Project]:
+    """The same copy; its sources and configuration are put back afterwards."""
+    keep = {
+        path: path.read_bytes()
+        for part in ("src", "conf")
+        for path in (project.folder / part).rglob("*.*")
+        if path.is_file() and path.suffix in (".py", ".yaml")
+    }
+    yield project
+    for path, content in keep.items():
+        if path.read_bytes() != content:
+            path.write_bytes(content)

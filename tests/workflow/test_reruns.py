@@ -1,0 +1,112 @@
+"""What runs again after a change, and what does not."""
+
+from __future__ import annotations
+
+import json
+from collections import Counter
+
+import pytest
+
+from tests.workflow.conftest import Project, rules
+
+pytestmark = [pytest.mark.workflow, pytest.mark.xdist_group("workflow")]
+SUPPLY = {"fit_panel", "power_supply"}
+AFTER_CHARGES = {"judge_statements", "draw_figures", "write_page", "publish_run"}
+CHARGES = {"charge_battery", "charge_ensemble"}
+
+
+def test_a_second_run_has_nothing_to_do(project: Project) -> None:
+    assert "Nothing to be done" in project.snakemake()
+
+
+def test_an_edited_battery_value_charges_again_and_fits_no_panel(restored: Project) -> None:
+    restored.edit("conf/battery/lead_acid_12v7ah.yaml", "heat_capacity_j_k: 2100", "heat_capacity_j_k: 2150")
+    assert set(restored.planned()) == CHARGES | AFTER_CHARGES
+
+
+def test_an_edited_panel_value_fits_it_again(restored: Project) -> None:
+    restored.edit("conf/panel/kc65t.yaml", "alpha_isc_a_per_k: 0.001596", "alpha_isc_a_per_k: 0.0016")
+    assert set(restored.planned()) == SUPPLY | CHARGES | AFTER_CHARGES
+
+
+def test_an_edited_knob_of_one_mode_leaves_the_others(restored: Project) -> None:
+    planned = restored.planned("modes.cv_reflex.discharge_a=0.6")
+    assert planned["charge_battery"] == 2
+    assert "fit_panel" not in planned
+
+
+def test_an_edited_caption_draws_one_chunk(restored: Project) -> None:
+    restored.edit("conf/report/solar_reflex.yaml", "title: Battery temperature", "title: Temperature of the battery")
+    assert set(restored.planned()) == {"draw_figures", "write_page", "publish_run"}
+
+
+def test_an_edited_helper_runs_its_dependents(restored: Project) -> None:
+    path = restored.folder / "src/pipeline/converter/chain.py"
+    path.write_text(path.read_text() + "\n\nANOTHER = 1\n")
+    planned = restored.planned()
+    assert {"power_supply", "charge_battery", *AFTER_CHARGES} <= set(planned)
+    assert "fit_panel" not in planned
+    assert "compile_engine" not in planned
+
+
+def test_an_edited_drawing_draws_its_figure_alone(restored: Project) -> None:
+    path = restored.folder / "src/pipeline/report/figures/energy.py"
+    path.write_text(path.read_text() + "\n\nANOTHER = 1\n")
+    assert restored.planned() == Counter(draw_figures=1, write_page=1, publish_run=1)
+
+
+def test_an_edited_comment_runs_nothing(restored: Project) -> None:
+    for file in ("converter/chain.py", "charge/simulate.py", "report/style.py"):
+        path = restored.folder / "src/pipeline" / file
+        path.write_text("# A remark.\n" + path.read_text())
+    restored.edit("conf/load/master_system.yaml", "# The master system", "# It is the master system")
+    assert restored.planned() == Counter()
+
+
+def test_going_back_computes_nothing(project: Project) -> None:
+    changed = rules(project.snakemake(overrides="battery.thermal.resistance_k_w=2.5 study=solar_reflex"))
+    assert changed["charge_battery"] == 5
+    back = project.snakemake(overrides="study=solar_reflex")
+    assert set(rules(back)) <= {"publish_run"}
+    manifest = json.loads((project.folder / "results/solar_reflex/default/manifest.json").read_text())
+    assert manifest["configuration"]["battery"]["thermal"]["resistance_k_w"] == 1.9
+
+
+def test_going_back_after_an_edited_file_links_the_earlier_results(restored: Project) -> None:
+    file = "conf/battery/lead_acid_12v7ah.yaml"
+    restored.edit(file, "resistance_k_w: 1.9", "resistance_k_w: 1.8")
+    restored.snakemake()
+    manifest = restored.folder / "results/solar_reflex/default/manifest.json"
+    assert json.loads(manifest.read_text())["configuration"]["battery"]["thermal"]["resistance_k_w"] == 1.8
+    restored.edit(file, "resistance_k_w: 1.8", "resistance_k_w: 1.9")
+    assert rules(restored.snakemake()) == Counter(publish_run=1)
+    assert json.loads(manifest.read_text())["configuration"]["battery"]["thermal"]["resistance_k_w"] == 1.9
+
+
+def test_a_lost_artefact_is_made_again(restored: Project) -> None:
+    manifest = json.loads((restored.folder / "results/solar_reflex/default/manifest.json").read_text())
+    entry = next(entry for entry in manifest["artefacts"] if entry["step"] == "supply")
+    contents = restored.folder / "results/store/supply" / entry["key"] / "contents.json"
+    contents.chmod(0o644)
+    contents.unlink()
+    assert restored.planned()["power_supply"] == 1
+    restored.snakemake()
+    assert restored.planned() == Counter()
+
+
+def test_a_forced_run_computes_again_and_finds_the_same(project: Project) -> None:
+    project.snakemake("-F", "figures")
+    manifest = json.loads((project.folder / "results/solar_reflex/default/manifest.json").read_text())
+    entry = next(entry for entry in manifest["artefacts"] if entry["path"].endswith("panel/points.parquet"))
+    folder = project.folder / "results/store/panel" / entry["key"]
+    other = folder / "points.parquet"
+    other.chmod(0o644)
+    other.write_bytes(b"something else")
+    listed = folder / "contents.json"
+    listed.chmod(0o644)
+    from pipeline.digest import of_file
+
+    listed.write_text(json.dumps(json.loads(listed.read_text()) | {"points.parquet": of_file(other)}))
+    printed = project.snakemake("-R", "fit_panel", code=1)
+    assert "points.parquet" in printed
+    assert entry["key"] in printed

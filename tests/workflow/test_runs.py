@@ -1,0 +1,132 @@
+"""Whole runs: what they leave, sweeps, mistakes, kills."""
+
+from __future__ import annotations
+
+import json
+import os
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import pytest
+
+from pipeline import digest
+from tests.workflow.conftest import Project, copy_project, rules
+
+pytestmark = [pytest.mark.workflow, pytest.mark.xdist_group("workflow")]
+
+
+def _manifest(project: Project, run: str = "default") -> dict[str, object]:
+    manifest: dict[str, object] = json.loads(
+        (project.folder / "results/solar_reflex" / run / "manifest.json").read_text()
+    )
+    return manifest
+
+
+def test_the_view_holds_what_the_manifest_lists(project: Project) -> None:
+    manifest = _manifest(project)
+    artefacts = manifest["artefacts"]
+    assert isinstance(artefacts, list)
+    for entry in artefacts:
+        assert digest.of_file(project.folder / entry["path"]) == entry["sha256"]
+    places = {entry["path"] for entry in artefacts}
+    assert "results/solar_reflex/default/charge/same_peak/cc_cv.bdf.parquet" in places
+    assert "reports/solar_reflex/default/index.html" in places
+    assert manifest["command"] == "snakemake --cores 2 all --config overrides=study=solar_reflex"
+
+
+def test_the_page_stands_alone(project: Project) -> None:
+    page = (project.folder / "reports/solar_reflex/default/index.html").read_text()
+    assert "<script" not in page
+    assert 'src="http' not in page
+    assert "<link" not in page
+
+
+def test_no_artefact_names_the_folder_it_was_made_in(project: Project) -> None:
+    for path in (project.folder / "results/store").rglob("*"):
+        if path.is_file():
+            assert str(project.folder).encode() not in path.read_bytes(), path
+
+
+def test_a_sweep_shares_what_is_the_same(project: Project) -> None:
+    printed = project.run("pipeline", "-m", "battery=lead_acid_12v7ah,lead_acid_12v18ah", "-n")
+    assert "fit_panel" not in rules(printed)
+    plans = sorted((project.folder / "results/plan").glob("*.json"), key=lambda path: path.stat().st_mtime)
+    plan = json.loads(plans[-1].read_text())
+    steps = [node["step"] for node in plan["nodes"].values()]
+    assert len(plan["runs"]) == 2
+    assert steps.count("panel") == steps.count("supply") == steps.count("engine") == 1
+    assert steps.count("charge") == 10
+
+
+MISTAKES = {
+    "battery=lead_acid": ("lead_acid_12v7ah",),
+    "battery.capacty_ah=7": ("battery", "capacity_ah"),
+    "battery.capacity_ah=-7": ("battery.capacity_ah", "-7", "greater than 0"),
+    "battery.capacity_ah=nan": ("battery.capacity_ah", "finite"),
+    "battery.thermal.resistance_k_w=x": ("battery.thermal.resistance_k_w", "x"),
+    "charge.initial_soc=1.2": ("charge.initial_soc", "1.2"),
+    "modes.run=[cc_cv,cv_refleks]": ("cv_refleks", "cv_reflex"),
+    "modes.cv_reflex.charge_share=0.97": ("cv_reflex", "share"),
+    "modes.cv_reflex.charge_a=-2": ("cv_reflex", "charge_a"),
+    "modes.cc_cv.voltage_v=11": ("cc_cv", "11"),
+    "+modes.cv_reflex.charge_aa=2": ("charge_aa", "charge_a"),
+    "+panel.colour=3": ("panel.colour", "unknown key"),
+    "panel.max_power_voltage_v=40": ("panel", "40", "open_circuit_voltage_v"),
+    "load.power_w=100": ("load.power_w", "100"),
+    "comparisons.same_mean.mean_current_of=cc": ("mean_current_of", "cc_cv"),
+    "sed=3": ("sed", "seed"),
+    "=": ("key=value",),
+}
+
+
+@pytest.mark.parametrize("mistake", MISTAKES)
+def test_a_mistake_ends_with_one_message_before_anything_runs(mistake: str, tmp_path: Path) -> None:
+    done = subprocess.run(
+        [sys.executable, "-m", "pipeline", mistake],
+        capture_output=True,
+        text=True,
+        cwd=tmp_path,
+        env=os.environ | {"PYTHONPATH": str(digest.PACKAGE.parent)},
+    )
+    assert done.returncode == 2, done.stdout + done.stderr
+    assert done.stdout == ""
+    assert done.stderr.startswith("error: ")
+    assert "Traceback" not in done.stderr
+    for word in MISTAKES[mistake]:
+        assert word in done.stderr
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_snakemake_says_the_same_and_leaves_results_alone(project: Project) -> None:
+    before = sorted((project.folder / "results").rglob("*"))
+    printed = project.snakemake(overrides="battery.capacty_ah=7", code=2)
+    assert "best matches are: capacity_ah" in printed
+    assert "Traceback" not in printed
+    assert sorted((project.folder / "results").rglob("*")) == before
+
+
+def test_a_killed_run_goes_on_with_the_same_command(tmp_path: Path) -> None:
+    project = copy_project(tmp_path / "project")
+    environment = os.environ | {"PYTHONPATH": str(project.folder / "src")}
+    command = [sys.executable, "-m", "snakemake", "--cores", "2", "panel"]
+    job = subprocess.Popen(
+        command,
+        cwd=project.folder,
+        env=environment,
+        start_new_session=True,
+        stdout=subprocess.DEVNULL,
+        stderr=subprocess.DEVNULL,
+    )
+    store = project.folder / "results" / "store"
+    deadline = time.monotonic() + 60
+    while not store.exists() and time.monotonic() < deadline:
+        time.sleep(0.01)
+    os.killpg(job.pid, signal.SIGKILL)
+    job.wait()
+    project.snakemake("panel")
+    assert "artefacts whole, 0 damaged" in project.run("pipeline", "store", "verify")
+    assert (project.folder / "results/solar_reflex/default/panel/points.parquet").is_file()
+    subprocess.run(["chmod", "-R", "u+w", str(project.folder)], check=True)
