@@ -241,7 +241,7 @@ def _page(study: Study, nodes: list[Draft]) -> Iterator[Draft]:
             "parameters": [
                 {"path": path, "value": values[path], **plain(source)} for path, source in study.sources.items()
             ],
-            "command": command(study.overrides),
+            "command": command(study.study.name, study.overrides),
             **_labels(study),
         },
         inputs=read,

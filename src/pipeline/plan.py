@@ -76,8 +76,8 @@ def make_plan(overrides: Iterable[Sequence[str]]) -> dict[str, Any]:
 
 
 def run_name(overrides: Sequence[str]) -> str:
-    """Return the folder name of a run: its overrides without `study=`, or `default`."""
-    words = sorted(word for word in overrides if not word.startswith("study="))
+    """Return the folder name of a run: its overrides, or `default` where it has none."""
+    words = sorted(overrides)
     if not words:
         return "default"
     name = ",".join(words).replace("/", "-").replace(" ", "").replace("'", "").replace('"', "")
@@ -92,7 +92,7 @@ def _run(words: Sequence[str]) -> Run:
     keys: dict[str, str] = {}
     for node in nodes:
         keys[node.name] = digest.of_value(_identity(node, keys))
-    return Run(run_name(words), study, nodes, keys)
+    return Run(run_name(study.overrides), study, nodes, keys)
 
 
 def _identity(node: Draft, keys: Mapping[str, str]) -> dict[str, Any]:
@@ -158,8 +158,8 @@ def _chunks(runs: Sequence[Run], nodes: Mapping[str, Any]) -> dict[str, dict[str
             name = _chunk_name([labels[key] for key in part], part)
             chunks[name] = {"step": step, "nodes": part, "needs": sorted(needed)}
             maker.update(dict.fromkeys(part, name))
-    for part in ("all", *TARGETS):
-        chunks.update(_publications(runs, nodes, maker, part))
+    for published in ("all", *TARGETS):
+        chunks.update(_publications(runs, nodes, maker, published))
     return chunks
 
 

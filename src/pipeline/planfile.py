@@ -37,7 +37,9 @@ def load(path: Path) -> dict[str, Any]:
     return plan
 
 
-def command(overrides: Sequence[str]) -> str:
-    """Return the command that makes a run."""
-    words = " ".join(overrides)
-    return "snakemake --cores 2 all" + (f" --config overrides={shlex.quote(words)}" if words else "")
+def command(study: str, overrides: Sequence[str]) -> str:
+    """Return the command that makes a run of a study."""
+    if not overrides:
+        return f"snakemake --cores 2 {study}"
+    words = " ".join([f"study={study}", *(shlex.quote(word) for word in overrides)])
+    return f"snakemake --cores 2 all --config overrides={shlex.quote(words)}"

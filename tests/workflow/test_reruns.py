@@ -64,10 +64,9 @@ def test_an_edited_comment_runs_nothing(restored: Project) -> None:
 
 
 def test_going_back_computes_nothing(project: Project) -> None:
-    changed = rules(project.snakemake(overrides="battery.thermal.resistance_k_w=2.5 study=solar_reflex"))
+    changed = rules(project.snakemake(overrides="battery.thermal.resistance_k_w=2.5"))
     assert changed["charge_battery"] == 5
-    back = project.snakemake(overrides="study=solar_reflex")
-    assert set(rules(back)) <= {"publish_run"}
+    assert rules(project.snakemake()) == Counter()
     manifest = json.loads((project.folder / "results/solar_reflex/default/manifest.json").read_text())
     assert manifest["configuration"]["battery"]["thermal"]["resistance_k_w"] == 1.9
 

@@ -34,7 +34,7 @@ def test_the_view_holds_what_the_manifest_lists(project: Project) -> None:
     places = {entry["path"] for entry in artefacts}
     assert "results/solar_reflex/default/charge/same_peak/cc_cv.bdf.parquet" in places
     assert "reports/solar_reflex/default/index.html" in places
-    assert manifest["command"] == "snakemake --cores 2 all --config overrides=study=solar_reflex"
+    assert manifest["command"] == "snakemake --cores 2 solar_reflex"
 
 
 def test_the_page_stands_alone(project: Project) -> None:

@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import argparse
 from collections import Counter
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
+from typing import Any
 
 from rich.console import Console
 from rich.table import Table
@@ -29,9 +30,9 @@ def main(arguments: Sequence[str]) -> int:
     return 0
 
 
-def _print(verdicts: dict[str, object]) -> None:
+def _print(verdicts: Mapping[str, Any]) -> None:
     table = Table("statement", "verdict", "where", "why", show_lines=False)
-    columns = [list(verdicts[name]) for name in ("statement", "verdict", "where", "explanation")]  # type: ignore[call-overload]
+    columns = [list(verdicts[name]) for name in ("statement", "verdict", "where", "explanation")]
     for row in zip(*columns, strict=True):
         table.add_row(*row)
     console = Console()

@@ -65,7 +65,7 @@ class Study(Record):
     figures: dict[str, FigureCard] = Field(default_factory=dict)
     published: dict[str, Statement] = Field(default_factory=dict)
     sources: dict[str, Source]
-    overrides: tuple[str, ...] = ()
+    overrides: tuple[str, ...] = Field(default=(), description="the overrides, without the choice of the study")
     configuration: dict[str, Any] = Field(description="the composed configuration as plain data")
 
     def parameter_sections(self) -> tuple[str, ...]:
@@ -102,7 +102,7 @@ def study_from(composed: Composed) -> Study:
             **{key: value for key, value in values.items() if key in Study.model_fields},
             **_unknown(values),
             sources=sources,
-            overrides=composed.overrides,
+            overrides=tuple(word for word in composed.overrides if not word.startswith("study=")),
             configuration=values,
         )
     except ValidationError as error:

@@ -32,7 +32,7 @@ def run(settings: Mapping[str, Any], inputs: Mapping[str, Path], output: Path) -
         rows += [(number, *row) for row in _charges(settings, tree, source)]
         print(f"sample {number + 1} of {len(samples)}", flush=True)
     names = ("sample", "comparison", "mode", "quantity", "value")
-    columns = dict(zip(names, zip(*rows, strict=True), strict=True)) if rows else {name: [] for name in names}
+    columns = {name: [row[place] for row in rows] for place, name in enumerate(names)}
     tables.write(schemas.ENSEMBLE, columns, output / "ensemble.parquet")
 
 

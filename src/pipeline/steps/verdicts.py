@@ -8,7 +8,8 @@ from typing import Any
 
 from pipeline import schemas, tables
 from pipeline.digest import PROJECT
-from pipeline.published.evaluate import Lookup, evaluate
+from pipeline.published.artefacts import Lookup
+from pipeline.published.evaluate import evaluate
 from pipeline.published.records import Statement
 
 REFERENCE = PROJECT / "conf" / "published" / "reference"
