@@ -29,6 +29,12 @@ def test_approximate_power_is_the_data_sheet_at_its_own_conditions(kc65t):
     assert kc65t.approximate_power_w(1000.0, 50.0) == pytest.approx(57.174, rel=1e-3)
 
 
+def test_panels_in_series_and_in_parallel_count(kc65t):
+    several = kc65t.model_copy(update={"panels_in_series": 2, "panels_in_parallel": 3})
+    assert several.approximate_power_w(1000.0, 25.0) == pytest.approx(6 * 65.25)
+    assert several.string_voltage_v == pytest.approx(34.8)
+
+
 def test_the_grid_must_increase():
     with pytest.raises(ValidationError, match=r"irradiances_w_m2 is \[600.0, 400.0\]; it must increase"):
         PanelCurveSettings(irradiances_w_m2=(600.0, 400.0))

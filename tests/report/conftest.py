@@ -60,7 +60,14 @@ def supply(folder: Path, rows: int = 1) -> None:
     write(folder, "supply", columns)
 
 
-def charge(folder: Path, knobs: dict, factor: float = 1.0, stop_s: float = 14400.0, windows: bool = True) -> None:
+def charge(
+    folder: Path,
+    knobs: dict,
+    factor: float = 1.0,
+    stop_s: float = 14400.0,
+    windows: bool = True,
+    supply_limited_s: float = 0.0,
+) -> None:
     peak = factor * knobs["charge_a"]
     mean_share = knobs["charge_share"] - knobs["discharge_share"] * knobs["discharge_a"] / knobs["charge_a"]
     time = np.arange(60.0, stop_s + 1, 60.0)
@@ -92,6 +99,7 @@ def charge(folder: Path, knobs: dict, factor: float = 1.0, stop_s: float = 14400
         "voltage_max_v": voltage + 0.1 * (high - mean),
         "current_min_a": low,
         "current_max_a": high,
+        "supply_limited_share": np.where(time < supply_limited_s, 0.5, 0.0),
     }
     write(folder, "trace", {column.name: zero for column in schemas.CHARGE_TRACE.columns} | trace)
     write(folder, "waveform", waveform(knobs, factor, stop_s) if windows else waveform(knobs, factor, 0.0))
@@ -137,7 +145,14 @@ def waveform(knobs: dict, factor: float, stop_s: float) -> dict:
     return found
 
 
-def build(root: Path, modes=tuple(MODES), stop_s: float = 14400.0, windows: bool = True, rows: int = 1) -> ReportData:
+def build(
+    root: Path,
+    modes=tuple(MODES),
+    stop_s: float = 14400.0,
+    windows: bool = True,
+    rows: int = 1,
+    supply_limited_s: float = 0.0,
+) -> ReportData:
     panel(root / "panel")
     supply(root / "supply", rows)
     inputs = {"panel": root / "panel", "supply": root / "supply"}
@@ -146,7 +161,8 @@ def build(root: Path, modes=tuple(MODES), stop_s: float = 14400.0, windows: bool
             knobs = MODES[mode][1]
             mean = knobs["charge_share"] - knobs["discharge_share"] * knobs["discharge_a"] / knobs["charge_a"]
             folder = root / "charge" / comparison / mode
-            charge(folder, knobs, 1.0 if comparison == "same_peak" else 1 / mean, stop_s, windows)
+            factor = 1.0 if comparison == "same_peak" else 1 / mean
+            charge(folder, knobs, factor, stop_s, windows, supply_limited_s)
             inputs[f"charge/{comparison}/{mode}"] = folder
     labels = {mode: ModeLabel(MODES[mode][0], MODES[mode][1]) for mode in modes}
     return ReportData(inputs, labels, COMPARISONS)
@@ -157,7 +173,7 @@ VARIANTS = {
     "one mode": {"modes": ("cc_cv",)},
     "stopped early": {"stop_s": 1500.0},
     "no waveform": {"windows": False},
-    "weather that changes": {"rows": 5},
+    "weather that changes": {"rows": 5, "supply_limited_s": 3000.0},
 }
 
 
@@ -169,6 +185,11 @@ def data(request, tmp_path_factory) -> ReportData:
 @pytest.fixture(scope="session")
 def whole(tmp_path_factory) -> ReportData:
     return build(tmp_path_factory.mktemp("whole"))
+
+
+@pytest.fixture(scope="session")
+def limited(tmp_path_factory) -> ReportData:
+    return build(tmp_path_factory.mktemp("limited"), supply_limited_s=3000.0)
 
 
 def cards() -> dict[str, FigureCard]:

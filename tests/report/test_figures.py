@@ -76,6 +76,14 @@ def test_the_lines_are_the_traces(whole):
             np.testing.assert_allclose(line.get_xdata(), trace["Test Time / s"] / 3600)
 
 
+def test_times_in_which_the_supply_limits_are_underlined(whole, limited):
+    card = card_of("over_time")(quantity="current")
+    said = [
+        [text.get_text() for axes in drawn(card, data).get_axes() for text in axes.texts] for data in (whole, limited)
+    ]
+    assert said == [[], ["limited by the supply"] * 2]
+
+
 def test_a_band_over_fewer_rows_keeps_every_extreme():
     from pipeline.report.figures.over_time import _blocks
 

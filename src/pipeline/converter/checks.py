@@ -12,7 +12,7 @@ def check(panel_power_w: float, panel_voltage_v: float, chain: PowerChain, load:
     Arguments
     ---------
     panel_power_w : the most the panel gives in this weather, about [W].
-    panel_voltage_v : voltage of the panel at maximum power [V].
+    panel_voltage_v : voltage of all panels at maximum power [V].
     chain : tracker, boost and buck.
     load : the master system.
 

@@ -51,6 +51,11 @@ class Panel(Record):
             )
         return self
 
+    @property
+    def string_voltage_v(self) -> float:
+        """Return the voltage of all panels at maximum power [V], as the boost converter sees it."""
+        return self.max_power_voltage_v * self.panels_in_series
+
     def approximate_power_w(self, irradiance_w_m2: float, cell_temperature_c: float) -> float:
         """Return the maximum power by the data sheet's coefficients alone, for checks that must be quick.
 

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+import itertools
 import math
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -25,6 +26,8 @@ __all__ = ["SingleDiode", "deviations", "fit"]
 _OPEN_CIRCUIT_RISE_K = 5.0
 _POWER_TEMPERATURES_K = (263.15, 323.15)  # the coefficient is the mean slope from -10 to 50 degC, as in SAM
 _FIRST_IDEALITIES = (1.0, 1.1, 0.9, 1.2, 1.35, 1.5)
+_FIRST_RESISTANCE_SHARES = (1.0, 0.5, 1.5)
+_SHORT_CIRCUIT_FACTORS = tuple(1.01**times for times in range(6))
 _ACCEPTED = 1e-8
 
 
@@ -46,8 +49,8 @@ class Deviations(NamedTuple):
 def fit(panel: Panel) -> SingleDiode:
     """Fit the CEC six-parameter model to a data sheet.
 
-    Photocurrent, saturation current and shunt conductance enter the three points of the sheet linearly and are
-    eliminated; ideality, series resistance and adjustment remain (Dobos 2012, DOI 10.1115/1.4005759).
+    Where the sheet's rounded numbers leave only a negative shunt, its short-circuit current is raised by 1 % up to
+    five times, as SAM does; `deviations` shows it. Dobos 2012, DOI 10.1115/1.4005759.
 
     Arguments
     ---------
@@ -61,33 +64,46 @@ def fit(panel: Panel) -> SingleDiode:
     ------
     UserError : no single-diode curve goes through these points with these coefficients.
     """
+    for raised in _SHORT_CIRCUIT_FACTORS:
+        sheet = panel.model_copy(update={"short_circuit_current_a": raised * panel.short_circuit_current_a})
+        diode = _solve(sheet)
+        if diode is not None and diode.series_resistance_ohm >= 0 and diode.shunt_resistance_ohm > 0:
+            return diode
+    raise UserError(
+        f"panel {panel.title!r}: no single-diode curve with positive resistances goes through its data sheet (I_sc "
+        f"{panel.short_circuit_current_a:g} A, V_oc {panel.open_circuit_voltage_v:g} V, I_mp "
+        f"{panel.max_power_current_a:g} A, V_mp {panel.max_power_voltage_v:g} V, {panel.cells_in_series} cells in "
+        "series); check these values and the temperature coefficients"
+    )
+
+
+def _solve(panel: Panel) -> SingleDiode | None:
+    """Return the parameters that meet all six equations, whatever their sign; nothing where there are none.
+
+    The three points of the sheet are linear in photocurrent, saturation current and shunt conductance, which leaves
+    ideality, series resistance and adjustment to the solver.
+    """
     from scipy.optimize import root
 
     thermal_v = panel.cells_in_series * BOLTZMANN_EV_PER_K * REFERENCE_TEMPERATURE_K
     drop_v = panel.open_circuit_voltage_v - panel.max_power_voltage_v
     resistance_ohm = 0.37 * drop_v / panel.max_power_current_a
 
+    def diode_of(unknowns: NDArray[np.float64]) -> SingleDiode:
+        ideality, share, adjust_percent = map(float, unknowns)
+        return _through_points(panel, thermal_v * ideality, resistance_ohm * share, adjust_percent)
+
     def misses(unknowns: NDArray[np.float64]) -> list[float]:
         try:
-            diode = _through_points(panel, thermal_v * unknowns[0], resistance_ohm * unknowns[1], unknowns[2])
-            return list(deviations(panel, diode)[3:])
+            return list(deviations(panel, diode_of(unknowns))[3:])
         except (ValueError, OverflowError, np.linalg.LinAlgError):
             return [1e3, 1e3, 1e3]  # outside the model; the solver turns back
 
-    for ideality in _FIRST_IDEALITIES:
-        for share in (1.0, 0.5, 1.5):
-            solution = root(misses, [ideality, share, 0.0], method="hybr", tol=1e-13)
-            if max(map(abs, solution.fun)) < _ACCEPTED:
-                scaled: Any = solution.x
-                return _physical(
-                    panel, _through_points(panel, thermal_v * scaled[0], resistance_ohm * scaled[1], scaled[2])
-                )
-    raise UserError(
-        f"panel {panel.title!r}: no single-diode curve goes through its data sheet (I_sc "
-        f"{panel.short_circuit_current_a:g} A, V_oc {panel.open_circuit_voltage_v:g} V, I_mp "
-        f"{panel.max_power_current_a:g} A, V_mp {panel.max_power_voltage_v:g} V, {panel.cells_in_series} cells in "
-        "series); check these values and the temperature coefficients"
-    )
+    for ideality, share in itertools.product(_FIRST_IDEALITIES, _FIRST_RESISTANCE_SHARES):
+        solution = root(misses, [ideality, share, 0.0], method="hybr", tol=1e-13)
+        if max(map(abs, solution.fun)) < _ACCEPTED:
+            return diode_of(solution.x)
+    return None
 
 
 def deviations(panel: Panel, diode: SingleDiode) -> Deviations:
@@ -147,13 +163,3 @@ def _through_points(panel: Panel, ideality_v: float, resistance_ohm: float, adju
         float(ideality_v),
         float(adjust_percent),
     )
-
-
-def _physical(panel: Panel, diode: SingleDiode) -> SingleDiode:
-    if diode.series_resistance_ohm < 0 or diode.shunt_resistance_ohm < 0:
-        raise UserError(
-            f"panel {panel.title!r}: the single-diode curve through its data sheet needs a negative resistance "
-            f"(series {diode.series_resistance_ohm:.4g} ohm, shunt {diode.shunt_resistance_ohm:.4g} ohm); the four "
-            "points or the temperature coefficients contradict each other"
-        )
-    return diode

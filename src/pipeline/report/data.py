@@ -31,7 +31,7 @@ FILES: dict[str, tuple[str, tables.Table]] = {
 
 @dataclass(frozen=True)
 class ModeLabel:
-    """How a charging mode is called, and its knobs with every found value put in."""
+    """How a charging mode is called, and its knobs: numbers in ampere, volt, hertz, found values put in."""
 
     title: str
     knobs: Mapping[str, float] = field(default_factory=dict)

@@ -88,5 +88,6 @@ def save(drawing: Figure, folder: Path, name: str) -> list[Path]:
     """
     paths = [folder / f"{name}.svg", folder / f"{name}.png"]
     drawing.savefig(paths[0], format="svg", metadata={"Date": None, "Creator": None, "Title": name})
+    drawing.set_layout_engine("none")  # both files show one layout, and it is found once
     drawing.savefig(paths[1], format="png", metadata={"Software": None})
     return paths

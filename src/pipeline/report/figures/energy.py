@@ -44,7 +44,7 @@ def draw(figure: FigureCard, data: ReportData) -> Figure:
         axes.invert_yaxis()
         axes.grid(False, axis="y")
         axes.margins(x=0.12)
-    fields[-1].set_xlabel("Energy lost in the battery and outside it over the charge [Wh]")
+    fields[-1].set_xlabel("Energy lost over the charge [Wh]")
     handles, labels = fields[0].get_legend_handles_labels()
     shown = dict(zip(labels, handles, strict=True))
     if shown:

@@ -63,6 +63,8 @@ def draw(figure: FigureCard, data: ReportData) -> Figure:
             _line(axes, data.charge(comparison, mode, "trace"), quantity, marks[mode])
             if options.quantity == "soc":
                 _soc_marks(axes, data.quantities(comparison, mode), marks[mode])
+        if options.quantity == "current":
+            _supply_limits(axes, data, comparison, marks)
         if options.quantity == "temperature":
             _ambient(axes, data, comparison)
     for axes in fields:
@@ -110,6 +112,23 @@ def _soc_marks(axes: Axes, quantities: dict[str, float], mark: style.Mark) -> No
                 color=mark.colour,
                 markerfacecolor="white",
             )
+
+
+def _supply_limits(axes: Axes, data: ReportData, comparison: str, marks: dict[str, style.Mark]) -> None:
+    """Underline the times in which the supply limited the current, a line for each mode it happened to."""
+    base = 0.03
+    for mode in data.charged(comparison):
+        trace = data.charge(comparison, mode, "trace")
+        limited = trace["supply_limited_share"] > 0.0
+        if np.any(limited):
+            hours = trace["Test Time / s"] / 3600.0
+            axes.fill_between(
+                hours, base, base + 0.02, where=limited.tolist(), step="pre", transform=axes.get_xaxis_transform(),
+                color=marks[mode].colour, linewidth=0,
+            )  # fmt: skip
+            base += 0.03
+    if base > 0.03:
+        axes.text(0.01, base + 0.02, "limited by the supply", transform=axes.transAxes, color=style.GREY, fontsize=9)
 
 
 def _ambient(axes: Axes, data: ReportData, comparison: str) -> None:
