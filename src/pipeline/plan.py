@@ -151,9 +151,7 @@ def _chunks(runs: Sequence[Run], nodes: Mapping[str, Any]) -> dict[str, dict[str
     maker: dict[str, str] = {}
     for step in STEPS:
         keys = [key for key in nodes if nodes[key]["step"] == step]
-        size = CHUNK_SIZE.get(step, (1, 1))[sweep]
-        for start in range(0, len(keys), size):
-            part = keys[start : start + size]
+        for part in _evenly(keys, CHUNK_SIZE.get(step, (1, 1))[sweep]):
             needed = {maker[key] for node in part for key in nodes[node]["inputs"].values()}
             name = _chunk_name([labels[key] for key in part], part)
             chunks[name] = {"step": step, "nodes": part, "needs": sorted(needed)}
@@ -161,6 +159,13 @@ def _chunks(runs: Sequence[Run], nodes: Mapping[str, Any]) -> dict[str, dict[str
     for published in ("all", *TARGETS):
         chunks.update(_publications(runs, nodes, maker, published))
     return chunks
+
+
+def _evenly(keys: list[str], most: int) -> list[list[str]]:
+    """Split keys into as few parts as `most` allows, of nearly the same length."""
+    count = -(-len(keys) // most)
+    bounds = [round(place * len(keys) / count) for place in range(count + 1)] if count else [0]
+    return [keys[start:end] for start, end in zip(bounds, bounds[1:], strict=False)]
 
 
 def _publications(

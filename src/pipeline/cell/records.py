@@ -1,0 +1,133 @@
+"""A battery as its data sheet would give it: the schema of `conf/battery/*.yaml`."""
+
+from __future__ import annotations
+
+from typing import Self
+
+from pydantic import Field, model_validator
+
+from pipeline.record import Record
+
+
+class Polynomial(Record):
+    """A polynomial in the depth of discharge, 1 - SOC."""
+
+    polynomial: list[float] = Field(min_length=1, max_length=4, description="coefficients of (1 - SOC)^0, ^1, ...")
+
+
+class Logarithm(Record):
+    """`constant + factor ln((SOC + soc_offset) / (1 - SOC + depth_offset))`, the shape of a Nernst potential."""
+
+    constant: float = Field(description="value where the logarithm is zero")
+    factor: float = Field(description="factor of the logarithm")
+    soc_offset: float = Field(ge=0, description="keeps the empty end finite [1]")
+    depth_offset: float = Field(ge=0, description="keeps the full end finite; 0 makes full charge an equilibrium [1]")
+
+
+class Root(Record):
+    """`factor sqrt((1 - SOC)(SOC + soc_offset))`, the shape of an exchange current."""
+
+    factor: float = Field(gt=0, description="factor of the root")
+    soc_offset: float = Field(ge=0, description="keeps the empty end above zero [1]")
+
+
+class Tabulated(Record):
+    """Values on a grid of SOC, joined by monotone cubics (PCHIP)."""
+
+    soc: list[float] = Field(min_length=3, description="grid from 0 to 1, rising [1]")
+    value: list[float] = Field(min_length=3, description="value at each grid point")
+    scale: float = Field(1.0, description="factor of every value [1]")
+
+    @model_validator(mode="after")
+    def _grid(self) -> Self:
+        if len(self.soc) != len(self.value):
+            raise ValueError(f"soc has {len(self.soc)} points but value has {len(self.value)}; both need the same")
+        if self.soc[0] != 0.0 or self.soc[-1] != 1.0:
+            raise ValueError(f"soc runs from {self.soc[0]:g} to {self.soc[-1]:g}; it must run from 0 to 1")
+        if any(after <= before for before, after in zip(self.soc, self.soc[1:], strict=False)):
+            raise ValueError("soc must rise from point to point")
+        return self
+
+
+Curve = float | Polynomial | Logarithm | Root | Tabulated
+"""A quantity that may depend on SOC; a number is a constant."""
+
+
+class Pair(Record):
+    """A resistor beside a capacitor; the time constant is fixed, so the capacitance follows the resistance."""
+
+    resistance_ohm: Curve = Field(description="resistance per cell [ohm]")
+    time_constant_s: float = Field(gt=0, description="time constant [s]")
+
+
+class Acceptance(Record):
+    """What the plates accept near full: a pair whose resistance is `resistance_ohm / (1 - SOC)`."""
+
+    resistance_ohm: float = Field(gt=0, description="resistance per cell at SOC 0 [ohm]")
+    time_constant_s: float = Field(gt=0, description="time constant [s]")
+
+
+class ChargeTransfer(Record):
+    """Overpotential of the main reaction, `(2RT/F) asinh(i / 2 i0)`."""
+
+    exchange_current_a: Curve = Field(description="exchange current i0 [A]")
+
+
+class SideReaction(Record):
+    """Gas evolution beside the main reaction, `current_a exp((V - reference_voltage_v) / V_s + k(T))`."""
+
+    current_a: float = Field(gt=0, description="current at the reference voltage and temperature [A]")
+    reference_voltage_v: float = Field(gt=0, description="voltage per cell at which it takes current_a [V]")
+    voltage_scale_v: float | None = Field(None, gt=0, description="V_s, rise in voltage per factor e [V]")
+    thermal_voltages: float | None = Field(None, gt=0, description="V_s in units of R T / F, instead of a fixed V_s [1]")
+    temperature_coefficient_per_k: float = Field(0.0, description="k(T) per kelvin above the reference [1/K]")
+    activation_energy_j_mol: float = Field(0.0, ge=0, description="Arrhenius part of k(T) [J/mol]")
+    reference_temperature_c: float = Field(25.0, gt=-100, description="temperature at which k(T) is zero [degC]")
+    recombination_time_constant_s: float = Field(0.0, ge=0, description="lag of recombination; 0 is at once [s]")
+    gas_voltage_v: float = Field(0.0, ge=0, description="energy per charge of gas not yet recombined [V]")
+
+    @model_validator(mode="after")
+    def _scale(self) -> Self:
+        if (self.voltage_scale_v is None) == (self.thermal_voltages is None):
+            raise ValueError("give either voltage_scale_v or thermal_voltages")
+        return self
+
+
+class Thermal(Record):
+    """The battery as one lump."""
+
+    heat_capacity_j_k: float = Field(gt=0, description="heat capacity of the battery [J/K]")
+    resistance_k_w: float = Field(gt=0, description="thermal resistance to the ambient [K/W]")
+
+
+class Battery(Record):
+    """Cells in series at one temperature; every circuit value is per cell, the thermal ones per battery."""
+
+    name: str = Field(min_length=1, description="identifier")
+    title: str = Field(min_length=1, description="readable name")
+    cells_in_series: int = Field(ge=1, description="number of cells in series [1]")
+    capacity_ah: float = Field(gt=0, description="capacity for which the values below hold [A h]")
+    scaled_to_capacity_ah: float | None = Field(
+        None, gt=0, description="capacity of the battery in use: the same cell with more or less plate area [A h]"
+    )
+    open_circuit_voltage_v: Curve = Field(description="open-circuit voltage per cell at 25 degC [V]")
+    entropic_coefficient_v_k: Curve = Field(0.0, description="dU/dT per cell [V/K]")
+    thermoneutral_voltage_v: float | None = Field(
+        None, gt=0, description="measured enthalpy per charge, used for heat instead of U - T dU/dT [V]"
+    )
+    series_resistance_ohm: Curve = Field(description="series resistance per cell [ohm]")
+    pairs: dict[str, Pair] = Field(default_factory=dict, description="pairs by name")
+    acceptance: Acceptance | None = Field(None, description="acceptance pair; none where absent")
+    charge_transfer: ChargeTransfer | None = Field(None, description="charge transfer; none where absent")
+    side_reaction: SideReaction | None = Field(None, description="side reaction; none where absent")
+    thermal: Thermal = Field(description="thermal values")
+
+    @property
+    def scale(self) -> float:
+        """Return the number of cells in parallel that the scaled battery stands for, not necessarily whole."""
+        return 1.0 if self.scaled_to_capacity_ah is None else self.scaled_to_capacity_ah / self.capacity_ah
+
+    @property
+    def capacity_in_use_ah(self) -> float:
+        """Return the capacity after scaling [A h]."""
+        return self.capacity_ah * self.scale

@@ -1,0 +1,128 @@
+"""Weights that integrate `tau dv/dt = g - v` exactly for a forcing g quadratic in time.
+
+The forcing is given by its values at the three nodes of Radau IIA (order 5; Hairer and Wanner, Solving Ordinary
+Differential Equations II, table IV.5.6). With z = h / tau everything follows from phi_k(u) = sum u^m / (m + k)!.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pipeline.jit import kernel
+
+_ROOT = math.sqrt(6.0)
+NODES = np.array([(4.0 - _ROOT) / 10.0, (4.0 + _ROOT) / 10.0, 1.0])
+# Lagrange basis of the nodes in monomials, LAGRANGE[p, l]: coefficient of theta^p in the basis function of node l.
+LAGRANGE = np.linalg.inv(np.vander(NODES, increasing=True))
+# Integrals of the basis functions from 0 to each node: the matrix of Radau IIA; its last row are the weights.
+RADAU = (NODES[:, None] ** np.arange(1, 4) / np.arange(1, 4)) @ LAGRANGE
+# Basis functions extrapolated to the start of the step.
+AT_START = LAGRANGE[0].copy()
+_FACTORIAL = np.array([1.0, 1.0, 2.0])
+_INVERSE_FACTORIAL = np.array([1.0 / math.factorial(k) for k in range(40)])
+_SERIES_BELOW = 3.0
+PHI = 7
+
+
+class Weights(NamedTuple):
+    """Weights of several step lengths, a slot each.
+
+    decay[slot, k, j] : what is left of the starting value at node j.
+    node[slot, k, j, l] : effect of the forcing at node l on the value at node j.
+    start_moment[slot, k, l] : integral of the starting value's remains times basis function l, over the step [s].
+    moment[slot, k, l, m] : integral of the response to forcing m times basis function l, over the step [s].
+    """
+
+    length_s: NDArray[np.float64]
+    decay: NDArray[np.float64]
+    node: NDArray[np.float64]
+    start_moment: NDArray[np.float64]
+    moment: NDArray[np.float64]
+
+
+def new_weights(slots: int, relaxations: int) -> Weights:
+    """Return empty weights for a number of step lengths and relaxations."""
+    return Weights(
+        np.zeros(slots),
+        np.zeros((slots, relaxations, 3)),
+        np.zeros((slots, relaxations, 3, 3)),
+        np.zeros((slots, relaxations, 3)),
+        np.zeros((slots, relaxations, 3, 3)),
+    )
+
+
+@kernel
+def phi_functions(u: float, highest: int, out: NDArray[np.float64]) -> None:
+    """Write phi_0 ... phi_highest of a non-positive argument.
+
+    Small arguments: the series of the highest, then downwards; large ones: upwards from exp. Neither cancels.
+    """
+    if u > -_SERIES_BELOW:
+        terms, size = 4, u**4
+        while abs(size) > 1e-17 and terms < 28:
+            terms += 2
+            size *= u * u / (terms * (terms - 1.0))
+        total = 0.0
+        for m in range(terms, -1, -1):
+            total = total * u + _INVERSE_FACTORIAL[m + highest]
+        out[highest] = total
+        for k in range(highest - 1, -1, -1):
+            out[k] = _INVERSE_FACTORIAL[k] + u * out[k + 1]
+    else:
+        out[0] = math.exp(u)
+        for k in range(highest):
+            out[k + 1] = (out[k] - _INVERSE_FACTORIAL[k]) / u
+
+
+@kernel
+def response(z: float, theta: float, phi: NDArray[np.float64], out: NDArray[np.float64]) -> float:
+    """Write the values at theta of the responses to the three basis functions; return the decay of the start.
+
+    A forcing theta^p gives z theta^(p+1) p! phi_(p+1)(-z theta).
+    """
+    phi_functions(-z * theta, 3, phi)
+    for node in range(3):
+        total, power = 0.0, z
+        for p in range(3):
+            power *= theta
+            total += LAGRANGE[p, node] * power * _FACTORIAL[p] * phi[p + 1]
+        out[node] = total
+    return phi[0]
+
+
+@kernel
+def fill(weights: Weights, slot: int, length_s: float, tau_s: NDArray[np.float64], scratch: NDArray[np.float64]) -> None:
+    """Compute the weights of one step length; `scratch` holds at least 20 numbers."""
+    weights.length_s[slot] = length_s
+    phi, monomial, row = scratch[:PHI], scratch[PHI : PHI + 9], scratch[PHI + 9 : PHI + 12]
+    for k in range(len(tau_s)):
+        z = length_s / tau_s[k]
+        for j in range(3):
+            weights.decay[slot, k, j] = response(z, NODES[j], phi, weights.node[slot, k, j])
+        phi_functions(-z, PHI - 1, phi)
+        # Integrals of theta^q times the response to theta^p, and of theta^q exp(-z theta).
+        for p in range(3):
+            scale = z * _FACTORIAL[p] * length_s
+            monomial[3 * p] = scale * phi[p + 2]
+            monomial[3 * p + 1] = scale * (phi[p + 2] - phi[p + 3])
+            monomial[3 * p + 2] = scale * (phi[p + 2] - 2.0 * phi[p + 3] + 2.0 * phi[p + 4])
+        for node in range(3):
+            weights.start_moment[slot, k, node] = length_s * (
+                LAGRANGE[0, node] * phi[1]
+                + LAGRANGE[1, node] * (phi[1] - phi[2])
+                + LAGRANGE[2, node] * (phi[1] - 2.0 * phi[2] + 2.0 * phi[3])
+            )
+            for p in range(3):
+                row[p] = (
+                    LAGRANGE[0, node] * monomial[3 * p]
+                    + LAGRANGE[1, node] * monomial[3 * p + 1]
+                    + LAGRANGE[2, node] * monomial[3 * p + 2]
+                )
+            for other in range(3):
+                weights.moment[slot, k, node, other] = (
+                    LAGRANGE[0, other] * row[0] + LAGRANGE[1, other] * row[1] + LAGRANGE[2, other] * row[2]
+                )

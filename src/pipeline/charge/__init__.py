@@ -1,0 +1,1 @@
+"""Charging a battery: waveforms, protocols and the engine that runs them."""

@@ -1,0 +1,86 @@
+"""Two ways to compare modes: as they are, or with the same mean current."""
+
+from __future__ import annotations
+
+from pipeline.cell.records import Battery
+from pipeline.charge.protocol import C_RATE, Resolver
+from pipeline.charge.records import Mode
+from pipeline.charge.waveforms import Reflex, Waveform
+from pipeline.errors import UserError
+from pipeline.record import Reference
+
+
+def at_same_mean(mode: Mode, reference_current_a: float) -> Mode:
+    """Return the mode with `charge_a` set so that a period's mean, voltage limit aside, is the reference.
+
+    `charge_a = (reference + discharge_a discharge_share) / charge_share`. A mode without periodic phases comes back
+    unchanged; one whose periodic phases would need different currents is refused.
+
+    Arguments
+    ---------
+    reference_current_a : mean current of a period [A].
+
+    Raises
+    ------
+    UserError : a share or discharge current is still to be found, or the phases do not agree.
+    """
+    needed = {
+        name: _charge_current(mode, phase.waveform, f"phases.{name}", reference_current_a)
+        for name, phase in mode.phases.items()
+        if phase.waveform.periodic
+    }
+    if not needed:
+        return mode
+    if max(needed.values()) - min(needed.values()) > 1e-12 * max(needed.values()):
+        raise UserError(f"phases need different charge_a for a mean of {reference_current_a:g} A: {needed}")
+    knobs = {name: value for name, value in mode.knobs.items() if name != "charge" + C_RATE}
+    return Mode(
+        title=mode.title,
+        phases=mode.phases,
+        repeat=mode.repeat,
+        stop=mode.stop,
+        **(knobs | {"charge_a": next(iter(needed.values()))}),
+    )
+
+
+def _charge_current(mode: Mode, waveform: Waveform, where: str, reference_current_a: float) -> float:
+    if waveform.charge_a not in (None, "charge_a"):  # type: ignore[attr-defined]
+        raise UserError(f"{where}.charge_a: takes {waveform.charge_a!r}, not the knob charge_a")  # type: ignore[attr-defined]
+    resolver = Resolver(mode, 1.0)
+
+    def number(name: str) -> float:
+        value = resolver.number(getattr(waveform, name), name, f"{where}.{name}")
+        if isinstance(value, Reference) or value is None:
+            raise UserError(f"{where}.{name}: still to be found; the mean current needs its number")
+        return value
+
+    discharged = number("discharge_a") * number("discharge_share") if isinstance(waveform, Reflex) else 0.0
+    return (reference_current_a + discharged) / number("charge_share")
+
+
+def compared(mode: Mode, reference: Mode | None, battery: Battery) -> Mode:
+    """Return a mode as it is run in a comparison: unchanged, or with the mean current of a reference mode."""
+    if reference is None:
+        return mode
+    return at_same_mean(mode, constant_current_a(reference, battery))
+
+
+def constant_current_a(mode: Mode, battery: Battery) -> float:
+    """Return the constant current of a mode, before its voltage limit takes over.
+
+    Returns
+    -------
+    The current of the first phase that has one [A].
+
+    Raises
+    ------
+    UserError : no phase has a constant current, or it is still to be found.
+    """
+    resolver = Resolver(mode, battery.capacity_in_use_ah)
+    for name, phase in mode.phases.items():
+        for parameter in ("max_current_a", "current_a"):
+            if parameter in type(phase.waveform).model_fields:
+                current = resolver.number(getattr(phase.waveform, parameter), parameter, f"phases.{name}.{parameter}")
+                if isinstance(current, float):
+                    return current
+    raise UserError("phases: none has a constant current that is known, so no mean can be compared with it")

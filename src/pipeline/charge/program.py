@@ -1,0 +1,68 @@
+"""A protocol as the kernels take it: arrays, one row a course."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pipeline.cell.circuit import ZERO_CELSIUS_K
+from pipeline.charge.protocol import Protocol
+
+MOST_SEGMENTS = 3
+
+
+class Program(NamedTuple):
+    """Arrays of a protocol; voltages are of one cell, SOC stands as 1 - SOC, what is not asked for is out of reach."""
+
+    segments: NDArray[np.int64]
+    length_s: NDArray[np.float64]
+    current_a: NDArray[np.float64]
+    charging: NDArray[np.bool_]
+    limit_v: NDArray[np.float64]
+    limits: NDArray[np.float64]
+    elapsed_s: NDArray[np.float64]
+    group: NDArray[np.int64]
+    stop_elapsed_s: float
+
+
+def compile_program(protocol: Protocol, cells: int) -> Program:
+    """Return the arrays of a protocol for a number of cells in series."""
+    count = len(protocol.courses)
+    program = Program(
+        np.zeros(count, dtype=np.int64),
+        np.zeros((count, MOST_SEGMENTS)),
+        np.zeros((count, MOST_SEGMENTS)),
+        np.zeros((count, MOST_SEGMENTS), dtype=np.bool_),
+        np.full(count, np.inf),
+        np.zeros((count, 9)),
+        np.full(count, np.inf),
+        np.zeros(count, dtype=np.int64),
+        protocol.stop.get("elapsed_s", math.inf),
+    )
+    for row, course in enumerate(protocol.courses):
+        program.segments[row] = len(course.segments)
+        for n, segment in enumerate(course.segments):
+            program.length_s[row, n] = segment.length_s
+            program.current_a[row, n] = segment.current_a
+            program.charging[row, n] = segment.charging
+        if course.limit_v is not None:
+            program.limit_v[row] = course.limit_v / cells
+        program.limits[row, :4] = _limits(course.until, cells)
+        program.limits[row, 4:8] = _limits(protocol.stop, cells)
+        program.limits[row, 8] = -1.0 if course.edge_soc is None else 1.0 - course.edge_soc
+        program.elapsed_s[row] = course.until.get("elapsed_s", math.inf)
+        program.group[row] = course.group
+    return program
+
+
+def _limits(until: Mapping[str, float], cells: int) -> tuple[float, float, float, float]:
+    return (
+        1.0 - until.get("soc", 2.0),
+        until.get("voltage_v", math.inf) / cells,
+        until.get("current_a", -math.inf),
+        until.get("temperature_c", math.inf) + ZERO_CELSIUS_K,
+    )

@@ -1,0 +1,145 @@
+"""From a lab sheet to numbers: every reference to a knob replaced, every phase a list of segments."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+from pipeline.charge.records import Mode, Phase
+from pipeline.charge.waveforms import Segment, Staged, Until, Waveform
+from pipeline.errors import UserError, best_matches
+from pipeline.record import Number, Reference, Record
+
+C_RATE = "_c_rate"
+UNTIL = ("elapsed_s", "soc", "voltage_v", "current_a", "temperature_c")
+
+
+@dataclass(frozen=True)
+class Course:
+    """A phase in numbers; `group` counts the phases of the sheet as they are run, a stage each being a course."""
+
+    name: str
+    group: int
+    waveform: Waveform
+    segments: tuple[Segment, ...]
+    limit_v: float | None
+    until: Mapping[str, float]
+    edge_soc: float | None = None
+
+
+@dataclass(frozen=True)
+class Protocol:
+    """A mode in numbers, for one battery."""
+
+    courses: tuple[Course, ...]
+    stop: Mapping[str, float]
+
+
+class Resolver:
+    """Looks up knobs and keeps note of those used."""
+
+    def __init__(self, mode: Mode, capacity_ah: float) -> None:
+        self.knobs = mode.knobs
+        self.capacity_ah = capacity_ah
+        self.used: set[str] = set()
+
+    def number(self, value: Any, name: str, where: str) -> Number | None:
+        """Return the number behind a parameter; a reference that is still open comes back as it is.
+
+        Arguments
+        ---------
+        value : number, name of a knob, or None for the knob called `name`.
+        where : key path, for the message.
+
+        Raises
+        ------
+        UserError : no such knob.
+        """
+        if isinstance(value, float | int):
+            return float(value)
+        wanted = name if value is None else value
+        for key in (wanted, wanted.removesuffix("_a") + C_RATE):
+            if key in self.knobs:
+                self.used.add(key)
+                knob = self.knobs[key]
+                if isinstance(knob, Reference):
+                    return knob
+                return knob * self.capacity_ah if key.endswith(C_RATE) else knob
+        said = "is not given and there is no knob of that name" if value is None else f"names the knob {wanted!r}"
+        raise UserError(f"{where}: {said}; {best_matches(wanted, self.knobs)}")
+
+    def optional(self, record: Record, where: str) -> dict[str, Number]:
+        """Return the numbers of those fields of a record that are given."""
+        given = {name: value for name, value in record if value is not None}
+        found = {name: self.number(value, name, f"{where}.{name}") for name, value in given.items()}
+        return {name: value for name, value in found.items() if value is not None}
+
+
+def parameters(resolver: Resolver, waveform: Waveform, where: str) -> dict[str, Number]:
+    """Return a waveform's parameters as numbers; those of a list are called `name.0`, `name.1`, ..."""
+    found: dict[str, Number | None] = {}
+    for name, value in waveform:
+        if name == "soc_edges":
+            continue
+        if isinstance(value, list):
+            found |= {f"{name}.{n}": resolver.number(v, name, f"{where}.{name}.{n}") for n, v in enumerate(value)}
+        else:
+            found[name] = resolver.number(value, name, f"{where}.{name}")
+    return {name: value for name, value in found.items() if value is not None}
+
+
+def resolve(mode: Mode, capacity_ah: float) -> Protocol:
+    """Return a mode in numbers.
+
+    Arguments
+    ---------
+    capacity_ah : capacity of the battery in use, for knobs given as C-rates.
+
+    Raises
+    ------
+    UserError : a parameter without a value, a name that is no knob, or a reference that is still open.
+    """
+    resolver = Resolver(mode, capacity_ah)
+    once: list[list[Course]] = []
+    for name, phase in mode.phases.items():
+        once.append(_courses(resolver, name, phase))
+    courses = []
+    for turn in range(mode.repeat):
+        for place, group in enumerate(once):
+            number = turn * len(once) + place
+            courses += [
+                Course(c.name, number, c.waveform, c.segments, c.limit_v, c.until, c.edge_soc) for c in group
+            ]
+    stop = _closed(resolver.optional(mode.stop, "stop"), "stop")
+    return Protocol(tuple(courses), stop)
+
+
+def _courses(resolver: Resolver, name: str, phase: Phase) -> list[Course]:
+    where = f"phases.{name}"
+    values = _closed(parameters(resolver, phase.waveform, where), where)
+    segments = tuple(phase.waveform.segments(values))
+    limit = _closed(resolver.optional(phase.limit, f"{where}.limit"), f"{where}.limit").get("voltage_v")
+    if phase.waveform.holds_voltage:
+        limit = values["voltage_v"] if limit is None else min(limit, values["voltage_v"])
+    until = _closed(resolver.optional(phase.until, f"{where}.until"), f"{where}.until")
+    if not isinstance(phase.waveform, Staged):
+        return [Course(name, 0, phase.waveform, segments, limit, until)]
+    return [
+        Course(f"{name} {n + 1}", 0, phase.waveform, (segment,), limit, until, edge)
+        for n, (segment, edge) in enumerate(zip(segments, phase.waveform.soc_edges, strict=True))
+    ]
+
+
+def _closed(values: Mapping[str, Number], where: str) -> dict[str, float]:
+    numbers = {}
+    for name, value in values.items():
+        if isinstance(value, Reference):
+            raise UserError(f"{where}.{name}: still to be found by {value.source!r}; put the number in first")
+        numbers[name] = value
+    return numbers
+
+
+def elapsed(until: Until) -> bool:
+    """Return whether a limit ends by time."""
+    return until.elapsed_s is not None

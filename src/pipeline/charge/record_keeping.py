@@ -1,0 +1,245 @@
+"""What a run writes down while it goes: samples, marks, phases, windows at full resolution, sums."""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pipeline.cell.circuit import OPEN_CIRCUIT, REFERENCE_K, SERIES, ENTROPIC, Cell
+from pipeline.cell.curves import value_and_slope
+from pipeline.cell.relaxation import LAGRANGE, response
+from pipeline.charge.segment import CONTROL, Demand, Run
+from pipeline.charge.step import (
+    CHARGE,
+    DEPTH,
+    ELECTRICAL,
+    MAIN,
+    OHM,
+    POWER_CONTROL,
+    RELAXATIONS,
+    SIDE,
+    SIDE_CHARGE,
+    START,
+    TEMPERATURE,
+    TERMINAL_V,
+    TOTAL,
+    VOLTAGE_CONTROL,
+    VOLTAGE_TIME,
+    charge_transfer,
+    T,
+)
+from pipeline.jit import kernel
+
+# Sums since the last sample.
+(
+    SPAN_S,
+    CHARGE_IN,
+    CHARGE_OUT,
+    ENERGY_IN,
+    ENERGY_OUT,
+    SIDE_AS,
+    VOLTAGE_VS,
+    VOLTAGE_LIMITED_S,
+    SUPPLY_LIMITED_S,
+    SUMS,
+) = range(10)
+LOWEST_V, HIGHEST_V, LOWEST_A, HIGHEST_A = range(4)
+
+SAMPLE_COLUMNS = 17
+PHASE_COLUMNS = 8
+WAVEFORM_COLUMNS = 6
+POINTS_PER_SEGMENT = 24
+
+
+class Book(NamedTuple):
+    """Arrays a run writes into; `filled` counts rows of samples, phases, waveform, then marks reached."""
+
+    samples: NDArray[np.float64]
+    phases: NDArray[np.float64]
+    waveform: NDArray[np.float64]
+    marks: NDArray[np.float64]
+    windows: NDArray[np.float64]
+    filled: NDArray[np.int64]
+    sums: NDArray[np.float64]
+    extremes: NDArray[np.float64]
+    totals: NDArray[np.float64]
+    gains: NDArray[np.float64]
+    recent_gains: NDArray[np.float64]
+    peak_k: NDArray[np.float64]
+
+
+@kernel
+def add_step(run: Run, book: Book, length_s: float) -> None:
+    """Add an accepted step to the sums since the last sample."""
+    gain, at, sums, extremes = run.work.gain, run.work.at, book.sums, book.extremes
+    if gain[CHARGE] >= 0.0:
+        sums[CHARGE_IN] += gain[CHARGE]
+        sums[ENERGY_IN] += gain[ELECTRICAL]
+    else:
+        sums[CHARGE_OUT] -= gain[CHARGE]
+        sums[ENERGY_OUT] -= gain[ELECTRICAL]
+    sums[SPAN_S] += length_s
+    sums[SIDE_AS] += gain[SIDE_CHARGE]
+    sums[VOLTAGE_VS] += gain[VOLTAGE_TIME]
+    if run.counts[CONTROL] == VOLTAGE_CONTROL:
+        sums[VOLTAGE_LIMITED_S] += length_s
+    elif run.counts[CONTROL] == POWER_CONTROL:
+        sums[SUPPLY_LIMITED_S] += length_s
+    for n in range(len(gain)):
+        book.recent_gains[n] += gain[n]
+    for j in range(4):
+        extremes[LOWEST_V] = min(extremes[LOWEST_V], at[TERMINAL_V, j])
+        extremes[HIGHEST_V] = max(extremes[HIGHEST_V], at[TERMINAL_V, j])
+        extremes[LOWEST_A] = min(extremes[LOWEST_A], at[TOTAL, j])
+        extremes[HIGHEST_A] = max(extremes[HIGHEST_A], at[TOTAL, j])
+        book.peak_k[0] = max(book.peak_k[0], at[T, j])
+
+
+@kernel
+def reset_extremes(book: Book) -> None:
+    """Forget the extremes of the last interval."""
+    book.extremes[LOWEST_V] = book.extremes[LOWEST_A] = math.inf
+    book.extremes[HIGHEST_V] = book.extremes[HIGHEST_A] = -math.inf
+
+
+@kernel
+def take_sample(cell: Cell, run: Run, book: Book, time_s: float, phase: int) -> None:
+    """Write a sample of the interval since the last one, if any time has passed, and start a new interval."""
+    sums, totals = book.sums, book.totals
+    span = sums[SPAN_S]
+    if span <= 0.0:
+        return
+    for n in range(SUMS):
+        totals[n] += sums[n]
+    for n in range(len(book.gains)):
+        book.gains[n] += book.recent_gains[n]
+        book.recent_gains[n] = 0.0
+    row = book.samples[book.filled[0]]
+    row[0] = time_s
+    row[1] = sums[VOLTAGE_VS] / span
+    row[2] = (sums[CHARGE_IN] - sums[CHARGE_OUT]) / span
+    row[3] = phase + 1
+    for n in range(4):
+        row[4 + n] = totals[CHARGE_IN + n] / 3600.0
+    row[8] = run.state[TEMPERATURE]
+    row[9] = 1.0 - run.state[DEPTH]
+    row[10] = cell.cells * book.extremes[LOWEST_V]
+    row[11] = cell.cells * book.extremes[HIGHEST_V]
+    row[12] = book.extremes[LOWEST_A]
+    row[13] = book.extremes[HIGHEST_A]
+    row[14] = sums[SIDE_AS] / span
+    row[15] = sums[SUPPLY_LIMITED_S] / span
+    row[16] = sums[VOLTAGE_LIMITED_S] / span
+    book.filled[0] += 1
+    sums[:] = 0.0
+    reset_extremes(book)
+
+
+@kernel
+def at_fraction(values: NDArray[np.float64], theta: float) -> float:
+    """Return the quadratic through the three nodes at a fraction of the step."""
+    total = 0.0
+    for node in range(3):
+        total += values[node] * (LAGRANGE[0, node] + theta * (LAGRANGE[1, node] + theta * LAGRANGE[2, node]))
+    return total
+
+
+@kernel
+def depth_at(cell: Cell, run: Run, length_s: float, theta: float) -> float:
+    """Return 1 - SOC at a fraction of the step just taken."""
+    drawn, main = 0.0, run.work.at[MAIN]
+    for node in range(3):
+        basis = LAGRANGE[0, node] + theta * (LAGRANGE[1, node] / 2.0 + theta * LAGRANGE[2, node] / 3.0)
+        drawn += theta * basis * main[node]
+    return run.state[DEPTH] - length_s / cell.charge_as * drawn
+
+
+@kernel
+def temperature_at(run: Run, theta: float) -> float:
+    """Return the temperature at a fraction of the step: the cubic through its start and the nodes."""
+    at, total = run.work.at, 0.0
+    nodes = (0.0, 0.15505102572168219, 0.6449489742783178, 1.0)
+    for i in range(4):
+        basis = 1.0
+        for j in range(4):
+            if j != i:
+                basis *= (theta - nodes[j]) / (nodes[i] - nodes[j])
+        total += basis * (run.state[TEMPERATURE] if i == 0 else at[T, i - 1])
+    return total
+
+
+@kernel
+def note_marks(cell: Cell, run: Run, book: Book, time_s: float, length_s: float) -> None:
+    """Write time and temperature at each mark of SOC that the step just taken passes, by bisection of its cubic."""
+    while book.filled[3] < len(book.marks) and run.work.end[DEPTH] <= book.marks[book.filled[3], 0]:
+        mark = book.marks[book.filled[3]]
+        low, high = 0.0, 1.0
+        for _ in range(60):
+            middle = 0.5 * (low + high)
+            if depth_at(cell, run, length_s, middle) <= mark[0]:
+                high = middle
+            else:
+                low = middle
+        mark[1] = time_s + high * length_s
+        mark[2] = temperature_at(run, high)
+        book.filled[3] += 1
+
+
+@kernel
+def write_point(
+    cell: Cell, run: Run, book: Book, demand: Demand, window: int, time_s: float, length_s: float, theta: float
+) -> None:
+    """Write one point of a window inside the step just taken."""
+    if book.filled[2] >= len(book.waveform):
+        return
+    work, at, scratch = run.work, run.work.at, run.work.scratch
+    x, temperature = depth_at(cell, run, length_s, theta), temperature_at(run, theta)
+    if theta <= 0.0:
+        current, voltage = at[TOTAL, START], at[TERMINAL_V, START]
+    elif theta >= 1.0:
+        current, voltage = at[TOTAL, 2], at[TERMINAL_V, 2]
+    else:
+        main = at_fraction(at[MAIN], theta)
+        current = main + at_fraction(at[SIDE], theta)
+        open_v, _ = value_and_slope(cell.curves, OPEN_CIRCUIT, x)
+        entropy, _ = value_and_slope(cell.curves, ENTROPIC, x)
+        ohm, _ = value_and_slope(cell.curves, SERIES, x)
+        eta, _, _ = charge_transfer(cell, x, temperature, main)
+        voltage = open_v + entropy * (temperature - REFERENCE_K) + ohm * current + eta
+        for k in range(cell.pairs + cell.acceptance):
+            w = scratch[30:33]
+            left = response(length_s / cell.tau_s[k], theta, scratch[:8], w)
+            voltage += left * run.state[RELAXATIONS + k]
+            for node in range(3):
+                voltage += w[node] * work.forcing[k, node]
+    row = book.waveform[book.filled[2]]
+    row[0], row[1], row[2], row[3], row[4], row[5] = (
+        window,
+        time_s + theta * length_s,
+        current,
+        cell.cells * voltage,
+        1.0 - x,
+        temperature,
+    )
+    book.filled[2] += 1
+
+
+@kernel
+def write_windows(
+    cell: Cell, run: Run, book: Book, demand: Demand, time_s: float, length_s: float, segment_s: float
+) -> None:
+    """Write the part of the step just taken that lies in a window, on a grid of the segment, ends included."""
+    for window in range(len(book.windows)):
+        first, last = book.windows[window, 0], book.windows[window, 1]
+        begin, finish = max(time_s, first), min(time_s + length_s, last)
+        if finish <= begin:
+            continue
+        spacing = min(segment_s / POINTS_PER_SEGMENT, (last - first) / (10 * POINTS_PER_SEGMENT))
+        points = max(1, math.ceil((finish - begin) / spacing - 1e-9))
+        for n in range(points + 1):
+            when = begin + (finish - begin) * n / points
+            theta = min(1.0, max(0.0, (when - time_s) / length_s))
+            write_point(cell, run, book, demand, window, time_s, length_s, theta)

@@ -1,0 +1,316 @@
+"""Advance within one segment: pick the control, take a step, and stop short of whatever happens inside it."""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pipeline.cell.circuit import Cell
+from pipeline.cell.relaxation import Weights, fill, new_weights
+from pipeline.charge.step import (
+    CURRENT_CONTROL,
+    DEPTH,
+    MAIN,
+    POWER_CONTROL,
+    RELAXATIONS,
+    START,
+    TEMPERATURE,
+    TERMINAL_V,
+    TOTAL,
+    VOLTAGE_CONTROL,
+    Work,
+    X,
+    T,
+    integrate,
+    new_work,
+    start_moment,
+    step_error,
+)
+from pipeline.jit import kernel
+
+# What can happen inside a step. The first five follow the order of the limits of a phase, the next those of a stop.
+ELAPSED, SOC, VOLTAGE, CURRENT, WARM = range(5)
+LIMITS = 5
+EDGE = 10
+TO_CURRENT, TO_VOLTAGE, TO_POWER, TO_BYPASS, TO_PAIR = range(11, 16)
+NOTHING, FAILED = -1, -2
+
+_SLOTS = 24
+_NEVER = 1e300
+_CHATTER = 1e-9
+
+# Integers of a run.
+CONTROL, BYPASSED, NEXT_SLOT, STEPS, EDGES, CHANGES, CONTINUES, COUNTS = range(8)
+
+
+class Demand(NamedTuple):
+    """What a segment asks for: current of the battery, voltage limit of one cell, power at the terminals."""
+
+    current_a: float
+    limit_v: float
+    power_w: float
+    charging: bool
+
+
+class Run(NamedTuple):
+    """Everything of a run that changes."""
+
+    state: NDArray[np.float64]
+    work: Work
+    weights: Weights
+    counts: NDArray[np.int64]
+    guess: NDArray[np.float64]
+
+
+def new_run(cell: Cell) -> Run:
+    """Return the arrays of a run."""
+    k = cell.relaxations
+    weights = new_weights(_SLOTS, k)
+    weights.length_s[:] = -1.0
+    return Run(
+        np.zeros(RELAXATIONS + k), new_work(k), weights, np.zeros(COUNTS, dtype=np.int64), np.zeros((3, 3, 8))
+    )
+
+
+@kernel
+def slot_of(cell: Cell, run: Run, length_s: float) -> int:
+    """Return the slot that holds the weights of a step length, computing them where none does."""
+    lengths = run.weights.length_s
+    for slot in range(_SLOTS):
+        if lengths[slot] == length_s:
+            return slot
+    slot = run.counts[NEXT_SLOT]
+    run.counts[NEXT_SLOT] = (slot + 1) % _SLOTS
+    fill(run.weights, slot, length_s, cell.tau_s, run.work.scratch)
+    return slot
+
+
+@kernel
+def target_of(cell: Cell, demand: Demand, control: int) -> float:
+    """Return what a control holds: current [A], voltage of a cell [V], or power of a cell [W]."""
+    if control == CURRENT_CONTROL:
+        return demand.current_a
+    if control == VOLTAGE_CONTROL:
+        return demand.limit_v
+    return demand.power_w / cell.cells
+
+
+@kernel
+def choose_control(cell: Cell, run: Run, demand: Demand) -> bool:
+    """Pick the control that gives the least current and solve the start in it; False where the circuit fails."""
+    counts, state, at = run.counts, run.state, run.work.at
+    counts[CONTROL] = CURRENT_CONTROL
+    if cell.acceptance == 1:
+        state[RELAXATIONS + cell.pairs] = max(0.0, state[RELAXATIONS + cell.pairs])
+    if not start_moment(cell, run.work, state, CURRENT_CONTROL, demand.current_a):
+        return False
+    if demand.charging:
+        if at[TERMINAL_V, START] > demand.limit_v:
+            counts[CONTROL] = VOLTAGE_CONTROL
+            if not start_moment(cell, run.work, state, VOLTAGE_CONTROL, demand.limit_v):
+                return False
+        if cell.cells * at[TERMINAL_V, START] * at[TOTAL, START] > demand.power_w:
+            counts[CONTROL] = POWER_CONTROL
+            if not start_moment(cell, run.work, state, POWER_CONTROL, demand.power_w / cell.cells):
+                return False
+    _choose_bypass(cell, run)
+    return True
+
+
+@kernel
+def _choose_bypass(cell: Cell, run: Run) -> None:
+    discharged = cell.acceptance == 1 and run.state[RELAXATIONS + cell.pairs] <= 0.0
+    run.counts[BYPASSED] = 1 if discharged and run.work.at[MAIN, START] <= 0.0 else 0
+
+
+@kernel
+def continue_moment(run: Run) -> None:
+    """Make the end of the last step the start of the next one, under the same control."""
+    work = run.work
+    for row in range(len(work.at)):
+        work.at[row, START] = work.at[row, 2]
+    work.at[X, START], work.at[T, START] = run.state[DEPTH], run.state[TEMPERATURE]
+    for k in range(len(work.value)):
+        work.resistance[k, START] = work.resistance[k, 2]
+        work.value[k, START] = work.value[k, 2]
+
+
+@kernel
+def guard_at(cell: Cell, run: Run, demand: Demand, limits: NDArray[np.float64], j: int) -> tuple[float, int]:
+    """Return how far moment j is from the nearest thing that may happen, and what that is; negative beyond it.
+
+    Arguments
+    ---------
+    limits : SOC as 1 - SOC, voltage, current, temperature of the phase, the same of the stop, then the stage's edge.
+    """
+    work, at, control = run.work, run.work.at, run.counts[CONTROL]
+    total, terminal = at[TOTAL, j], at[TERMINAL_V, j]
+    least, what = _NEVER, NOTHING
+    for of in range(2):
+        base = 4 * of
+        gap = at[X, j] - limits[base]
+        if gap < least:
+            least, what = gap, LIMITS * of + SOC
+        gap = limits[base + 1] * (1.0 - _CHATTER) - terminal
+        if gap < least:
+            least, what = gap, LIMITS * of + VOLTAGE
+        if control == VOLTAGE_CONTROL and total - limits[base + 2] < least:
+            least, what = total - limits[base + 2], LIMITS * of + CURRENT
+        gap = limits[base + 3] - at[T, j]
+        if gap < least:
+            least, what = gap, LIMITS * of + WARM
+    if at[X, j] - limits[8] < least:
+        least, what = at[X, j] - limits[8], EDGE
+    if demand.charging:
+        if control != CURRENT_CONTROL:
+            gap = demand.current_a * (1.0 + _CHATTER) - total
+            if gap < least:
+                least, what = gap, TO_CURRENT
+        if control != VOLTAGE_CONTROL:
+            gap = demand.limit_v * (1.0 + _CHATTER) - terminal
+            if gap < least:
+                least, what = gap, TO_VOLTAGE
+        if control != POWER_CONTROL:
+            gap = demand.power_w * (1.0 + _CHATTER) - cell.cells * terminal * total
+            if gap < least:
+                least, what = gap, TO_POWER
+    if cell.acceptance == 1:
+        if run.counts[BYPASSED] == 1:
+            if -at[MAIN, j] < least:
+                least, what = -at[MAIN, j], TO_PAIR
+        elif work.value[cell.pairs, j] < least:
+            least, what = work.value[cell.pairs, j], TO_BYPASS
+    return least, what
+
+
+@kernel
+def guard(cell: Cell, run: Run, demand: Demand, limits: NDArray[np.float64]) -> tuple[float, int]:
+    """Return the nearest guard over the nodes of the step just taken."""
+    least, what = guard_at(cell, run, demand, limits, 2)
+    for j in range(2):
+        gap, kind = guard_at(cell, run, demand, limits, j)
+        if gap < least:
+            least, what = gap, kind
+    return least, what
+
+
+@kernel
+def try_step(cell: Cell, run: Run, demand: Demand, ambient_k: float, length_s: float) -> bool:
+    """Integrate one step length from the state; `work` holds the result."""
+    work, counts = run.work, run.counts
+    slot = slot_of(cell, run, length_s)
+    counts[STEPS] += 1
+    control = counts[CONTROL]
+    return integrate(
+        cell,
+        work,
+        run.weights,
+        slot,
+        run.state,
+        control,
+        target_of(cell, demand, control),
+        counts[BYPASSED] == 1,
+        ambient_k,
+    )
+
+
+@kernel
+def set_guess(run: Run) -> None:
+    """Guess that nothing changes over the step."""
+    at = run.work.at
+    for j in range(3):
+        at[MAIN, j] = at[MAIN, START]
+        at[T, j] = at[T, START]
+
+
+@kernel
+def locate(
+    cell: Cell, run: Run, demand: Demand, limits: NDArray[np.float64], ambient_k: float, length_s: float
+) -> tuple[float, int]:
+    """Find where the nearest guard of an overlong step crosses zero; return the length that reaches it, and what it is.
+
+    Regula falsi (Illinois) on the step length, integrating from the step's start every time; the step found is left
+    in `work`. Bisection by ratio where the secant does not close in.
+    """
+    low, high = 0.0, length_s
+    above, _ = guard_at(cell, run, demand, limits, START)
+    above = max(above, 1e-300)
+    below, what = guard(cell, run, demand, limits)
+    trial, side = length_s, 0
+    for attempt in range(200):
+        if below >= 0.0 or high - low <= 1e-12 * (1e-3 + high) and attempt > 0:
+            break
+        trial = low + (high - low) * above / (above - below)
+        if attempt % 4 == 3:
+            trial = 0.5 * (low + high) if low > 0.01 * high else 0.03 * high + low
+        if not low < trial < high:
+            break
+        set_guess(run)
+        if not try_step(cell, run, demand, ambient_k, trial):
+            return high, FAILED
+        gap, kind = guard(cell, run, demand, limits)
+        if gap < 0.0:
+            high, below, what = trial, gap, kind
+            above *= 0.5 if side < 0 else 1.0
+            side = -1
+            if gap > -1e-13:
+                return high, what
+        else:
+            low, above = trial, gap
+            below *= 0.5 if side > 0 else 1.0
+            side = 1
+    if trial != high:
+        set_guess(run)
+        if not try_step(cell, run, demand, ambient_k, high):
+            return high, FAILED
+        _, what = guard(cell, run, demand, limits)
+    return high, what
+
+
+@kernel
+def advance(
+    cell: Cell,
+    run: Run,
+    demand: Demand,
+    limits: NDArray[np.float64],
+    ambient_k: float,
+    longest_s: float,
+    proposal_s: float,
+    tolerance: float,
+) -> tuple[float, int, float]:
+    """Take one accepted step of at most `longest_s`; the start column of `work` must hold the state.
+
+    Returns
+    -------
+    length [s], what happened at its end (`NOTHING`, an event or `FAILED`), factor for the next proposal.
+    """
+    work, counts = run.work, run.counts
+    length_s = min(longest_s, proposal_s)
+    for _ in range(2000):
+        set_guess(run)
+        fine = try_step(cell, run, demand, ambient_k, length_s)
+        error = step_error(cell, work, length_s, counts[BYPASSED] == 1) / tolerance if fine else 1e8
+        if not error < 1.0:
+            length_s *= max(0.1, 0.8 * error**-0.25) if math.isfinite(error) else 0.1
+            if length_s < 1e-200:
+                return 0.0, FAILED, 1.0
+            continue
+        gap, what = guard(cell, run, demand, limits)
+        if gap >= 0.0:
+            return length_s, NOTHING, min(4.0, 0.8 * (error + 1e-12) ** -0.25)
+        found, what = locate(cell, run, demand, limits, ambient_k, length_s)
+        if what == FAILED:
+            length_s *= 0.25
+            continue
+        return found, what, 1.0
+    return 0.0, FAILED, 1.0
+
+
+@kernel
+def commit(run: Run) -> None:
+    """Make the end of the step the state."""
+    for n in range(len(run.state)):
+        run.state[n] = run.work.end[n]

@@ -1,0 +1,240 @@
+"""Charge a battery by a mode from a supply: records in, columns out."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pipeline.cell.circuit import ZERO_CELSIUS_K, Cell, compile_cell
+from pipeline.cell.records import Battery
+from pipeline.charge import edge
+from pipeline.charge.checks import check
+from pipeline.charge.energy import balance
+from pipeline.charge.program import Program, compile_program
+from pipeline.charge.protocol import UNTIL, Protocol, resolve
+from pipeline.charge.record_keeping import PHASE_COLUMNS, SAMPLE_COLUMNS, SUMS, WAVEFORM_COLUMNS, Book
+from pipeline.charge.records import ChargeSettings, EngineSettings, Mode
+from pipeline.charge.segment import CHANGES, EDGES, LIMITS, STEPS, Run, new_run
+from pipeline.charge.step import DEPTH, PAIR_HEAT, TEMPERATURE
+from pipeline.charge.summary import Quantity, summarise
+
+Columns = dict[str, Any]
+
+
+class EngineError(RuntimeError):
+    """The engine could not go on; the message says where it stood."""
+
+
+class Supply(NamedTuple):
+    """Power available at the battery's terminals, constant from each time to the next; inf is a bench supply.
+
+    time_s : (m,), rising from 0; power_w : (m,).
+    """
+
+    time_s: NDArray[np.float64]
+    power_w: NDArray[np.float64]
+
+
+BENCH = Supply(np.zeros(1), np.full(1, np.inf))
+
+
+@dataclass(frozen=True)
+class Charge:
+    """What came of a charge: columns of the four tables, and the summary."""
+
+    trace: Columns
+    waveform: Columns
+    phases: Columns
+    energy: Columns
+    summary: list[Quantity]
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """A finished run as the kernels left it, with what it was run on."""
+
+    cell: Cell
+    protocol: Protocol
+    run: Run
+    book: Book
+    start: NDArray[np.float64]
+    end_s: float
+
+
+def simulate(
+    battery: Battery, mode: Mode, supply: Supply, settings: ChargeSettings, engine: EngineSettings
+) -> Charge:
+    """Charge a battery.
+
+    Arguments
+    ---------
+    supply : power at the terminals over time.
+
+    Raises
+    ------
+    UserError : the mode does not fit the battery or the settings.
+    EngineError : steps exhausted or a state without a solution.
+    """
+    outcome = run(battery, mode, supply, settings, engine)
+    energy = balance(outcome.cell, outcome.book.gains, outcome.start, outcome.run.state, tuple(battery.pairs))
+    return Charge(
+        trace=_trace(outcome, settings.ambient_c),
+        waveform=_waveform(outcome),
+        phases=_phases(outcome),
+        energy=energy,
+        summary=summarise(outcome, battery, settings, energy, _reason(outcome, -1)),
+    )
+
+
+def run(
+    battery: Battery, mode: Mode, supply: Supply, settings: ChargeSettings, engine: EngineSettings
+) -> Outcome:
+    """Run the engine and return its arrays; arguments and errors are those of `simulate`."""
+    check(battery, mode, settings)
+    cell = compile_cell(battery)
+    protocol = resolve(mode, battery.capacity_in_use_ah)
+    program = compile_program(protocol, battery.cells_in_series)
+    state = new_run(cell)
+    start = state.state.copy()
+    start[DEPTH], start[TEMPERATURE] = 1.0 - settings.initial_soc, settings.ambient_c + ZERO_CELSIUS_K
+    state.state[:] = start
+    book = _book(program, settings, cell)
+    book.peak_k[0] = start[TEMPERATURE]
+    status, end_s = edge.run_edge(
+        cell,
+        program,
+        np.ascontiguousarray(supply.time_s, dtype=np.float64),
+        np.ascontiguousarray(supply.power_w, dtype=np.float64),
+        state,
+        book,
+        float(start[TEMPERATURE]),
+        float(settings.sample_interval_s),
+        float(engine.tolerance),
+        float(engine.maximum_step_s),
+        int(engine.maximum_steps),
+    )
+    if status != edge.DONE:
+        problem = "no solution of the circuit" if status == edge.CIRCUIT_FAILED else "the steps are used up"
+        raise EngineError(
+            f"{problem} at {end_s:.9g} s after {state.counts[STEPS]} steps: SOC {1.0 - state.state[DEPTH]:.9g}, "
+            f"temperature {state.state[TEMPERATURE] - ZERO_CELSIUS_K:.6g} degC"
+        )
+    return Outcome(cell, protocol, state, book, start, end_s)
+
+
+def _book(program: Program, settings: ChargeSettings, cell: Cell) -> Book:
+    marks = np.full((len(settings.soc_marks), 3), np.nan)
+    marks[:, 0] = 1.0 - np.sort(np.array(settings.soc_marks, dtype=np.float64))
+    windows = np.array([(w.start_s, w.start_s + w.length_s) for w in settings.windows], dtype=np.float64).reshape(-1, 2)
+    rows = int(math.ceil(program.stop_elapsed_s / settings.sample_interval_s)) + 3
+    gains = PAIR_HEAT + cell.relaxations
+    return Book(
+        samples=np.zeros((rows, SAMPLE_COLUMNS)),
+        phases=np.zeros((len(program.segments), PHASE_COLUMNS)),
+        waveform=np.zeros((_points(program, windows), WAVEFORM_COLUMNS)),
+        marks=marks,
+        windows=windows,
+        filled=np.zeros(4, dtype=np.int64),
+        sums=np.zeros(SUMS),
+        extremes=np.zeros(4),
+        totals=np.zeros(SUMS),
+        gains=np.zeros(gains),
+        recent_gains=np.zeros(gains),
+        peak_k=np.zeros(1),
+    )
+
+
+def _points(program: Program, windows: NDArray[np.float64]) -> int:
+    """Return room for the windows: a grid of each segment, and both ends of each of its steps."""
+    finite = program.length_s[np.isfinite(program.length_s) & (program.length_s > 0)]
+    shortest = float(finite.min()) if finite.size else math.inf
+    spans = windows[:, 1] - windows[:, 0]
+    return int(sum(2000 + 80 * (span / min(shortest, span) + 2) + 500 for span in spans))
+
+
+def _reason(outcome: Outcome, row: int) -> str:
+    phases = outcome.book.phases[: outcome.book.filled[1]]
+    code, course = int(phases[row, 3]), outcome.protocol.courses[int(phases[row, 7])]
+    if code == 2 * LIMITS:
+        return f"soc {course.edge_soc:g}"
+    limits = outcome.protocol.stop if code >= LIMITS else course.until
+    name = UNTIL[code % LIMITS]
+    word, unit = {
+        "elapsed_s": ("elapsed", " s"),
+        "soc": ("soc", ""),
+        "voltage_v": ("voltage", " V"),
+        "current_a": ("current", " A"),
+        "temperature_c": ("temperature", " degC"),
+    }[name]
+    return f"{'stop: ' if code >= LIMITS else ''}{word} {limits[name]:g}{unit}"
+
+
+def _trace(outcome: Outcome, ambient_c: float) -> Columns:
+    rows = outcome.book.samples[: outcome.book.filled[0]].T
+    names = (
+        "Test Time / s",
+        "Voltage / V",
+        "Current / A",
+        "Step Index / 1",
+        "Charging Capacity / Ah",
+        "Discharging Capacity / Ah",
+        "Charging Energy / Wh",
+        "Discharging Energy / Wh",
+        "Surface Temperature T1 / degC",
+        "soc",
+        "voltage_min_v",
+        "voltage_max_v",
+        "current_min_a",
+        "current_max_a",
+        "side_current_a",
+        "supply_limited_share",
+        "voltage_limited_share",
+    )
+    columns: Columns = {name: row.copy() for name, row in zip(names, rows, strict=True)}
+    columns["Step Index / 1"] = columns["Step Index / 1"].astype(np.int64)
+    columns["Surface Temperature T1 / degC"] -= ZERO_CELSIUS_K
+    columns["Ambient Temperature / degC"] = np.full(rows.shape[1], ambient_c)
+    return columns
+
+
+def _waveform(outcome: Outcome) -> Columns:
+    rows = outcome.book.waveform[: outcome.book.filled[2]]
+    rows = rows[np.argsort(rows[:, 0], kind="stable")].T
+    return {
+        "window": rows[0].astype(np.int64),
+        "time_s": rows[1].copy(),
+        "current_a": rows[2].copy(),
+        "voltage_v": rows[3].copy(),
+        "soc": rows[4].copy(),
+        "temperature_c": rows[5] - ZERO_CELSIUS_K,
+    }
+
+
+def _phases(outcome: Outcome) -> Columns:
+    rows = outcome.book.phases[: outcome.book.filled[1]]
+    return {
+        "phase": [outcome.protocol.courses[int(course)].name for course in rows[:, 7]],
+        "start_s": rows[:, 1].copy(),
+        "end_s": rows[:, 2].copy(),
+        "end_reason": [_reason(outcome, row) for row in range(len(rows))],
+        "start_soc": 1.0 - rows[:, 4],
+        "end_soc": 1.0 - rows[:, 5],
+        "end_temperature_c": rows[:, 6] - ZERO_CELSIUS_K,
+    }
+
+
+def statistics(outcome: Outcome) -> dict[str, int]:
+    """Return how much work a run was."""
+    counts = outcome.run.counts
+    return {"steps": int(counts[STEPS]), "edges": int(counts[EDGES]), "control_changes": int(counts[CHANGES])}
+
+
+def warm_up() -> list[str]:
+    """Compile every kernel and return their names."""
+    from pipeline.charge.warm_up import compile_kernels
+
+    return compile_kernels()

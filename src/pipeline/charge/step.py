@@ -1,0 +1,457 @@
+"""One step of the cell under one control: exponential collocation at the Radau IIA nodes.
+
+The one unknown is the main current as a function of time. Given its values at the three nodes, depth of discharge
+follows by quadrature, every relaxation exactly for a forcing quadratic in time, and one scalar equation per node says
+what the control asks: that current, that voltage or that power.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pipeline.cell.circuit import (
+    ENTROPIC,
+    EXCHANGE,
+    FIRST_PAIR,
+    OPEN_CIRCUIT,
+    REFERENCE_K,
+    SERIES,
+    THERMAL_V_PER_K,
+    Cell,
+    side_current,
+)
+from pipeline.cell.curves import value_and_slope
+from pipeline.cell.relaxation import AT_START, RADAU, Weights
+from pipeline.jit import kernel
+
+CURRENT_CONTROL, VOLTAGE_CONTROL, POWER_CONTROL = range(3)
+
+# State of the battery: 1 - SOC, temperature [K], then the relaxations.
+DEPTH, TEMPERATURE, RELAXATIONS = range(3)
+
+# What a step adds, per battery; dissipation of the pairs follows.
+(
+    CHARGE,
+    SIDE_CHARGE,
+    VOLTAGE_TIME,
+    ELECTRICAL,
+    SERIES_HEAT,
+    TRANSFER_HEAT,
+    REVERSIBLE_HEAT,
+    SIDE_HEAT,
+    TO_AMBIENT,
+    PAIR_HEAT,
+) = range(10)
+
+# Rows of the quantities at a moment: columns are the three nodes and, fourth, the start of the step.
+MAIN, SIDE, TOTAL, X, T, NODE_V, SLOW_V, OHM, ETA, ENTROPY, REVERSIBLE, HEAT, TERMINAL_V, SIDE_SLOPE, QUANTITIES = range(15)
+START = 3
+_ITERATIONS = 14
+
+
+class Work(NamedTuple):
+    """Scratch arrays of a run; nothing is allocated in a step."""
+
+    at: NDArray[np.float64]
+    forcing: NDArray[np.float64]
+    value: NDArray[np.float64]
+    resistance: NDArray[np.float64]
+    slope: NDArray[np.float64]
+    jacobian: NDArray[np.float64]
+    depth_slope: NDArray[np.float64]
+    residual: NDArray[np.float64]
+    end: NDArray[np.float64]
+    gain: NDArray[np.float64]
+    scratch: NDArray[np.float64]
+
+
+def new_work(relaxations: int) -> Work:
+    """Return the scratch arrays for a number of relaxations."""
+    k = relaxations
+    return Work(
+        np.zeros((QUANTITIES, 4)),
+        np.zeros((k, 4)),
+        np.zeros((k, 4)),
+        np.zeros((k, 4)),
+        np.zeros((k, 4)),
+        np.zeros((3, 3)),
+        np.zeros((3, 4)),
+        np.zeros(3),
+        np.zeros(RELAXATIONS + k),
+        np.zeros(PAIR_HEAT + k),
+        np.zeros(64),
+    )
+
+
+# Rows of the slopes with x.
+_OPEN_SLOPE, _OHM_SLOPE, _ETA_SLOPE = range(3)
+
+
+@kernel
+def circuit_at(cell: Cell, work: Work, j: int) -> None:
+    """Evaluate at moment j everything that depends on SOC alone, and its slope with x."""
+    at, slope = work.at, work.depth_slope
+    x = at[X, j]
+    open_v, open_slope = value_and_slope(cell.curves, OPEN_CIRCUIT, x)
+    entropy, entropy_slope = value_and_slope(cell.curves, ENTROPIC, x)
+    warmer = at[T, j] - REFERENCE_K
+    at[SLOW_V, j] = open_v + entropy * warmer
+    at[ENTROPY, j] = entropy
+    slope[_OPEN_SLOPE, j] = open_slope + entropy_slope * warmer
+    at[OHM, j], slope[_OHM_SLOPE, j] = value_and_slope(cell.curves, SERIES, x)
+    for k in range(cell.pairs):
+        work.resistance[k, j], work.slope[k, j] = value_and_slope(cell.curves, FIRST_PAIR + k, x)
+    if cell.acceptance == 1:
+        k = cell.pairs
+        work.resistance[k, j] = cell.acceptance_ohm / x
+        work.slope[k, j] = -work.resistance[k, j] / x
+
+
+@kernel
+def charge_transfer(cell: Cell, x: float, temperature_k: float, main_a: float) -> tuple[float, float, float]:
+    """Return the overpotential (2RT/F) asinh(i / 2 i0) [V] and its slopes with current and with x."""
+    if cell.transfer == 0:
+        return 0.0, 0.0, 0.0
+    exchange, exchange_slope = value_and_slope(cell.curves, EXCHANGE, x)
+    scale = 2.0 * THERMAL_V_PER_K * temperature_k
+    with_current = scale / math.hypot(main_a, 2.0 * exchange)
+    overpotential = scale * math.asinh(main_a / (2.0 * exchange))
+    return overpotential, with_current, -with_current * main_a / exchange * exchange_slope
+
+
+@kernel
+def finish_moment(cell: Cell, work: Work, j: int, relaxed_v: float, control: int, target: float) -> tuple[float, float]:
+    """Evaluate moment j for its main current; return the control's residual and its slope with that current alone."""
+    at = work.at
+    eta, eta_slope, work.depth_slope[_ETA_SLOPE, j] = charge_transfer(cell, at[X, j], at[T, j], at[MAIN, j])
+    node_v = at[SLOW_V, j] + relaxed_v + eta
+    side, side_slope = side_current(cell, node_v, at[T, j])
+    total = at[MAIN, j] + side
+    terminal_v = node_v + at[OHM, j] * total
+    at[ETA, j], at[NODE_V, j], at[SIDE, j], at[SIDE_SLOPE, j] = eta, node_v, side, side_slope
+    at[TOTAL, j], at[TERMINAL_V, j] = total, terminal_v
+    total_slope = 1.0 + side_slope * eta_slope
+    if control == CURRENT_CONTROL:
+        return total - target, total_slope
+    if control == VOLTAGE_CONTROL:
+        return terminal_v - target, eta_slope + at[OHM, j] * total_slope
+    slope = (eta_slope + at[OHM, j] * total_slope) * total + terminal_v * total_slope
+    return terminal_v * total - target, slope
+
+
+@kernel
+def start_moment(cell: Cell, work: Work, state: NDArray[np.float64], control: int, target: float) -> bool:
+    """Solve the circuit for the state as it stands and fill the start column; False where that fails.
+
+    The residual rises with the current and bends upwards, so Newton's iteration cannot circle.
+    """
+    at = work.at
+    at[X, START], at[T, START] = state[DEPTH], state[TEMPERATURE]
+    circuit_at(cell, work, START)
+    relaxed = 0.0
+    for k in range(cell.pairs + cell.acceptance):
+        relaxed += state[RELAXATIONS + k]
+        work.value[k, START] = state[RELAXATIONS + k]
+    guess = target
+    if control == VOLTAGE_CONTROL:
+        guess = (target - at[SLOW_V, START] - relaxed) / max(at[OHM, START], 1e-6)
+    elif control == POWER_CONTROL:
+        guess = target / (at[SLOW_V, START] + relaxed)
+    at[MAIN, START] = guess
+    scale = abs(target) + 1e-9
+    for _ in range(400):
+        residual, slope = finish_moment(cell, work, START, relaxed, control, target)
+        if not math.isfinite(residual):
+            return False
+        change = residual / slope
+        if abs(residual) <= 2e-15 * scale or abs(change) <= 1e-16 * abs(at[MAIN, START]):
+            return True
+        at[MAIN, START] -= change
+        if abs(change) <= 1e-9 * abs(at[MAIN, START]):
+            finish_moment(cell, work, START, relaxed, control, target)
+            return True
+    return False
+
+
+@kernel
+def node_heat(cell: Cell, work: Work, j: int) -> float:
+    """Return the heat of the whole battery at moment j [W], the relaxation of gas left out."""
+    at = work.at
+    main = at[MAIN, j]
+    if cell.thermoneutral == 1:
+        reversible = main * (at[SLOW_V, j] - cell.thermoneutral_v)
+    else:
+        reversible = main * at[T, j] * at[ENTROPY, j]
+    at[REVERSIBLE, j] = reversible
+    heat = reversible + at[OHM, j] * at[TOTAL, j] ** 2 + at[ETA, j] * main + at[SIDE, j] * (at[NODE_V, j] - cell.gas_v)
+    for k in range(cell.pairs + cell.acceptance):
+        heat += work.value[k, j] ** 2 * pair_conductance(cell, work, k, j)
+    if cell.recombination == 1:
+        heat += work.value[cell.relaxations - 1, j] * cell.gas_v
+    return cell.cells * heat
+
+
+@kernel
+def pair_conductance(cell: Cell, work: Work, k: int, j: int) -> float:
+    """Return what turns v^2 into the heat of pair k: 1/R - (dC/dt)/2 with C = tau / R [S]."""
+    resistance = work.resistance[k, j]
+    if resistance <= 0.0:
+        return 0.0
+    drift = 0.5 * cell.tau_s[k] * work.slope[k, j] / resistance * work.at[MAIN, j] / cell.charge_as
+    return (1.0 - drift) / resistance
+
+
+@kernel
+def integrate(
+    cell: Cell,
+    work: Work,
+    weights: Weights,
+    slot: int,
+    state: NDArray[np.float64],
+    control: int,
+    target: float,
+    bypassed: bool,
+    ambient_k: float,
+) -> bool:
+    """Take one step; True when it converged with 1 - SOC above zero.
+
+    Arguments
+    ---------
+    work : `at[MAIN, :3]` and `at[T, :3]` hold the guess on entry, the solution on return; `end` and `gain` are written.
+    state : state at the start, (2 + relaxations,); left as it is.
+    target : current [A] and power [W] of the battery, or voltage [V] of one cell.
+    bypassed : the acceptance pair is discharged and the current is not charging it.
+    """
+    at = work.at
+    h = weights.length_s[slot]
+    per_charge = h / cell.charge_as
+    voltages = cell.pairs + cell.acceptance
+    for _ in range(_ITERATIONS):
+        for j in range(3):
+            drawn = RADAU[j, 0] * at[MAIN, 0] + RADAU[j, 1] * at[MAIN, 1] + RADAU[j, 2] * at[MAIN, 2]
+            at[X, j] = state[DEPTH] - per_charge * drawn
+            if not at[X, j] > 0.0:
+                return False
+            circuit_at(cell, work, j)
+            for k in range(voltages):
+                work.forcing[k, j] = work.resistance[k, j] * at[MAIN, j]
+        if bypassed:
+            for j in range(3):
+                work.forcing[cell.pairs, j] = 0.0
+        worst = 0.0
+        for j in range(3):
+            relaxed = 0.0
+            for k in range(voltages):
+                w = weights.node[slot, k, j]
+                work.value[k, j] = (
+                    weights.decay[slot, k, j] * state[RELAXATIONS + k]
+                    + w[0] * work.forcing[k, 0]
+                    + w[1] * work.forcing[k, 1]
+                    + w[2] * work.forcing[k, 2]
+                )
+                relaxed += work.value[k, j]
+            work.residual[j], _ = finish_moment(cell, work, j, relaxed, control, target)
+        _newton(cell, work, weights, slot, control, bypassed)
+        largest = max(abs(at[MAIN, 0]), abs(at[MAIN, 1]), abs(at[MAIN, 2])) + 1e-300
+        for j in range(3):
+            change = work.residual[j]
+            if not math.isfinite(change):
+                return False
+            at[MAIN, j] -= change
+            worst = max(worst, abs(change) / largest)
+        warmed = _heat_nodes(cell, work, weights, slot, state, ambient_k)
+        if worst < 1e-8 and warmed < 1e-8:
+            _finish(cell, work, weights, slot, state, bypassed, ambient_k)
+            return True
+    return False
+
+
+@kernel
+def _newton(cell: Cell, work: Work, weights: Weights, slot: int, control: int, bypassed: bool) -> None:
+    """Replace the residuals of the nodes by Newton's corrections of their main currents."""
+    at, m = work.at, work.jacobian
+    per_charge = weights.length_s[slot] / cell.charge_as
+    for j in range(3):
+        eta_slope = 0.0
+        if cell.transfer == 1:
+            _, eta_slope, _ = charge_transfer(cell, at[X, j], at[T, j], at[MAIN, j])
+        for n in range(3):
+            with_x = -per_charge * RADAU[j, n]
+            node = (work.depth_slope[_OPEN_SLOPE, j] + work.depth_slope[_ETA_SLOPE, j]) * with_x
+            for k in range(cell.pairs + cell.acceptance):
+                if bypassed and k == cell.pairs:
+                    continue
+                w = weights.node[slot, k, j]
+                node += w[n] * work.resistance[k, n]
+                for other in range(3):
+                    with_other = -per_charge * RADAU[other, n]
+                    node += w[other] * work.slope[k, other] * at[MAIN, other] * with_other
+            if n == j:
+                node += eta_slope
+            total = at[SIDE_SLOPE, j] * node + (1.0 if n == j else 0.0)
+            if control == CURRENT_CONTROL:
+                m[j, n] = total
+            else:
+                terminal = node + at[OHM, j] * total + work.depth_slope[_OHM_SLOPE, j] * at[TOTAL, j] * with_x
+                if control == VOLTAGE_CONTROL:
+                    m[j, n] = terminal
+                else:
+                    m[j, n] = terminal * at[TOTAL, j] + at[TERMINAL_V, j] * total
+    _solve(m, work.residual)
+
+
+@kernel
+def _solve(m: NDArray[np.float64], r: NDArray[np.float64]) -> None:
+    """Solve a 3 x 3 system in place by elimination with row scaling left to the caller's units."""
+    f = m[1, 0] / m[0, 0]
+    m11, m12, r1 = m[1, 1] - f * m[0, 1], m[1, 2] - f * m[0, 2], r[1] - f * r[0]
+    f = m[2, 0] / m[0, 0]
+    m21, m22, r2 = m[2, 1] - f * m[0, 1], m[2, 2] - f * m[0, 2], r[2] - f * r[0]
+    f = m21 / m11
+    r[2] = (r2 - f * r1) / (m22 - f * m12)
+    r[1] = (r1 - m12 * r[2]) / m11
+    r[0] = (r[0] - m[0, 1] * r[1] - m[0, 2] * r[2]) / m[0, 0]
+
+
+@kernel
+def _heat_nodes(
+    cell: Cell, work: Work, weights: Weights, slot: int, state: NDArray[np.float64], ambient_k: float
+) -> float:
+    """Move the node temperatures to what the heat at the nodes makes of them; return the largest change [K]."""
+    at = work.at
+    h = weights.length_s[slot]
+    if cell.recombination == 1:
+        k = cell.relaxations - 1
+        for j in range(3):
+            w = weights.node[slot, k, j]
+            work.value[k, j] = (
+                weights.decay[slot, k, j] * state[RELAXATIONS + k]
+                + w[0] * at[SIDE, 0]
+                + w[1] * at[SIDE, 1]
+                + w[2] * at[SIDE, 2]
+            )
+    for j in range(3):
+        at[HEAT, j] = node_heat(cell, work, j) - (at[T, j] - ambient_k) / cell.thermal_resistance_k_w
+    largest = 0.0
+    for j in range(3):
+        warming = RADAU[j, 0] * at[HEAT, 0] + RADAU[j, 1] * at[HEAT, 1] + RADAU[j, 2] * at[HEAT, 2]
+        temperature = state[TEMPERATURE] + h / cell.heat_capacity_j_k * warming
+        largest = max(largest, abs(temperature - at[T, j]))
+        at[T, j] = temperature
+    return largest
+
+
+@kernel
+def _finish(
+    cell: Cell,
+    work: Work,
+    weights: Weights,
+    slot: int,
+    state: NDArray[np.float64],
+    bypassed: bool,
+    ambient_k: float,
+) -> None:
+    """Write the state at the end and what the step adds, exact for quadratic currents and exponential voltages."""
+    at, gain, end, n = work.at, work.gain, work.end, cell.cells
+    h = weights.length_s[slot]
+    gain[:] = 0.0
+    drawn = 0.0
+    for j in range(3):
+        b = h * RADAU[2, j]
+        slow_v = at[SLOW_V, j] + at[ETA, j]
+        total = at[MAIN, j] + at[SIDE, j]
+        at[TOTAL, j] = total
+        drawn += b * at[MAIN, j]
+        gain[CHARGE] += b * total
+        gain[SIDE_CHARGE] += b * at[SIDE, j]
+        gain[VOLTAGE_TIME] += n * b * (slow_v + at[OHM, j] * total)
+        gain[ELECTRICAL] += n * b * (slow_v + at[OHM, j] * total) * total
+        gain[SERIES_HEAT] += n * b * at[OHM, j] * total * total
+        gain[TRANSFER_HEAT] += n * b * at[ETA, j] * at[MAIN, j]
+        gain[REVERSIBLE_HEAT] += n * b * at[REVERSIBLE, j]
+        gain[SIDE_HEAT] += n * b * at[SIDE, j] * slow_v
+        gain[TO_AMBIENT] += b * (at[T, j] - ambient_k) / cell.thermal_resistance_k_w
+    end[DEPTH] = state[DEPTH] - drawn / cell.charge_as
+    pair_heat = 0.0
+    for k in range(cell.pairs + cell.acceptance):
+        pair_heat += _finish_pair(cell, work, weights, slot, k, state[RELAXATIONS + k], bypassed and k == cell.pairs)
+    if cell.recombination == 1:
+        k = cell.relaxations - 1
+        w = weights.node[slot, k, 2]
+        before = state[RELAXATIONS + k]
+        end[RELAXATIONS + k] = (
+            weights.decay[slot, k, 2] * before + w[0] * at[SIDE, 0] + w[1] * at[SIDE, 1] + w[2] * at[SIDE, 2]
+        )
+        gain[SIDE_HEAT] -= n * cell.gas_v * cell.tau_s[k] * (end[RELAXATIONS + k] - before)
+    heat = gain[SERIES_HEAT] + gain[TRANSFER_HEAT] + gain[REVERSIBLE_HEAT] + gain[SIDE_HEAT] + pair_heat
+    end[TEMPERATURE] = state[TEMPERATURE] + (heat - gain[TO_AMBIENT]) / cell.heat_capacity_j_k
+
+
+@kernel
+def _finish_pair(cell: Cell, work: Work, weights: Weights, slot: int, k: int, before: float, bypassed: bool) -> float:
+    """Advance one pair and add its work and heat; return its heat [J] for the battery.
+
+    int v^2 dt = int v g dt - (tau/2) change of v^2; the slow factor's change over the step is taken by the nodes.
+    """
+    at, gain, n = work.at, work.gain, cell.cells
+    h = weights.length_s[slot]
+    if bypassed:
+        work.end[RELAXATIONS + k] = 0.0
+        return 0.0
+    g0, g1, g2 = (
+        work.resistance[k, 0] * at[MAIN, 0],
+        work.resistance[k, 1] * at[MAIN, 1],
+        work.resistance[k, 2] * at[MAIN, 2],
+    )
+    w = weights.node[slot, k, 2]
+    after = weights.decay[slot, k, 2] * before + w[0] * g0 + w[1] * g1 + w[2] * g2
+    work.end[RELAXATIONS + k] = after
+    squared = -0.5 * cell.tau_s[k] * (after * after - before * before)
+    mean = 0.0
+    for j in range(3):
+        m = weights.moment[slot, k, j]
+        part = weights.start_moment[slot, k, j] * before + m[0] * g0 + m[1] * g1 + m[2] * g2
+        gain[VOLTAGE_TIME] += n * part
+        gain[ELECTRICAL] += n * part * at[TOTAL, j]
+        gain[SIDE_HEAT] += n * part * at[SIDE, j]
+        squared += part * work.resistance[k, j] * at[MAIN, j]
+        mean += RADAU[2, j] * pair_conductance(cell, work, k, j)
+    heat = mean * squared
+    for j in range(3):
+        heat += h * RADAU[2, j] * work.value[k, j] ** 2 * (pair_conductance(cell, work, k, j) - mean)
+    gain[PAIR_HEAT + k] = n * heat
+    return n * heat
+
+
+@kernel
+def step_error(cell: Cell, work: Work, h: float, bypassed: bool) -> float:
+    """Return the local error of a step in units of the battery's own scales, per unit of tolerance 1.
+
+    Each function of time that the step replaces by a quadratic is extrapolated back to the start, where it is known.
+    The current's mismatch grows as h^3, its effect on the end of the step as h^6: hence the square.
+    """
+    at = work.at
+    main = _mismatch(at[MAIN])
+    swing = max(abs(at[MAIN, START] - at[MAIN, 2]), abs(at[MAIN, 0] - at[MAIN, 2])) + abs(main) + 1e-300
+    flow = abs(at[TOTAL, 2]) + 1e-3 * cell.charge_as / 3600.0
+    error = main * main / (swing * flow)
+    voltage = abs(_mismatch(at[SLOW_V])) + abs(at[T, START] * _mismatch(at[ENTROPY]))
+    if cell.transfer == 1:
+        voltage += abs(_mismatch(at[ETA]))
+    voltage += abs(_mismatch(at[OHM])) * flow
+    for k in range(cell.pairs + cell.acceptance):
+        if bypassed and k == cell.pairs:
+            continue
+        mismatch = _mismatch(work.resistance[k]) * at[MAIN, 2]
+        voltage += abs(mismatch) * min(1.0, h / cell.tau_s[k])
+    return max(error, 0.05 * voltage / at[SLOW_V, 2])
+
+
+@kernel
+def _mismatch(values: NDArray[np.float64]) -> float:
+    """Return the quadratic through the nodes extrapolated to the start, less the value there."""
+    return AT_START[0] * values[0] + AT_START[1] * values[1] + AT_START[2] * values[2] - values[START]

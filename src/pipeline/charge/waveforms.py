@@ -1,0 +1,155 @@
+"""The waveforms a phase may have; a new one is a class here and a line in `WAVEFORMS`.
+
+A parameter that is not given is taken from the mode's knob of the same name; text names another knob.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from typing import ClassVar, NamedTuple
+
+from pydantic import Field
+
+from pipeline.record import Record
+
+Value = float | str | None
+"""A number, the name of a knob, or none for the knob of the parameter's own name."""
+
+
+class Segment(NamedTuple):
+    """A stretch of constant demand; only a charging one heeds the voltage limit and the supply."""
+
+    length_s: float
+    current_a: float
+    charging: bool
+
+
+class Limit(Record):
+    """What a charging segment may not exceed."""
+
+    voltage_v: Value = Field(None, description="terminal voltage [V]")
+
+
+class Until(Record):
+    """What ends a phase or a charge, whichever comes first."""
+
+    elapsed_s: Value = Field(None, description="time since its start [s]")
+    soc: Value = Field(None, description="state of charge reached [1]")
+    voltage_v: Value = Field(None, description="terminal voltage reached from below [V]")
+    current_a: Value = Field(None, description="current fallen to, while the voltage is held [A]")
+    temperature_c: Value = Field(None, description="battery temperature reached [degC]")
+
+
+class Waveform(Record):
+    """The base of every waveform."""
+
+    # Parameters that default to something else than the knob of their name, and the held voltage's name if any.
+    optional: ClassVar[Mapping[str, float]] = {}
+    holds_voltage: ClassVar[bool] = False
+    periodic: ClassVar[bool] = False
+
+    def segments(self, values: Mapping[str, float]) -> list[Segment]:
+        """Return the segments of one period, or a single endless one.
+
+        Arguments
+        ---------
+        values : the waveform's parameters as numbers.
+        """
+        raise NotImplementedError
+
+
+class ConstantCurrent(Waveform):
+    """A constant current."""
+
+    current_a: Value = Field(None, description="current [A]")
+
+    def segments(self, values: Mapping[str, float]) -> list[Segment]:
+        """Return one endless segment."""
+        return [Segment(math.inf, values["current_a"], True)]
+
+
+class ConstantVoltage(Waveform):
+    """A constant voltage, reached and held with no more than a maximum current."""
+
+    holds_voltage: ClassVar[bool] = True
+
+    voltage_v: Value = Field(None, description="voltage held [V]")
+    max_current_a: Value = Field(None, description="current until then [A]")
+
+    def segments(self, values: Mapping[str, float]) -> list[Segment]:
+        """Return one endless segment."""
+        return [Segment(math.inf, values["max_current_a"], True)]
+
+
+class Pulse(Waveform):
+    """Charge, rest, charge, rest."""
+
+    periodic: ClassVar[bool] = True
+
+    charge_a: Value = Field(None, description="current of the charging pulse [A]")
+    charge_share: Value = Field(None, description="its share of the period [1]")
+    frequency_hz: Value = Field(None, description="periods per second [Hz]")
+
+    def segments(self, values: Mapping[str, float]) -> list[Segment]:
+        """Return the two segments of a period; one endless segment where nothing is left for the rest."""
+        if values["charge_share"] == 1.0:
+            return [Segment(math.inf, values["charge_a"], True)]
+        period = 1.0 / values["frequency_hz"]
+        share = values["charge_share"]
+        return [Segment(share * period, values["charge_a"], True), Segment((1.0 - share) * period, 0.0, False)]
+
+
+class Reflex(Waveform):
+    """Charge, a short discharge, rest."""
+
+    periodic: ClassVar[bool] = True
+
+    charge_a: Value = Field(None, description="current of the charging pulse [A]")
+    charge_share: Value = Field(None, description="its share of the period [1]")
+    discharge_a: Value = Field(None, description="current of the discharging pulse, positive [A]")
+    discharge_share: Value = Field(None, description="its share of the period [1]")
+    frequency_hz: Value = Field(None, description="periods per second [Hz]")
+
+    def segments(self, values: Mapping[str, float]) -> list[Segment]:
+        """Return the segments of a period; those of no length are left out."""
+        if values["charge_share"] == 1.0:
+            return [Segment(math.inf, values["charge_a"], True)]
+        period = 1.0 / values["frequency_hz"]
+        charge, discharge = values["charge_share"], values["discharge_share"]
+        rest = 1.0 - charge if discharge == 0.0 else 1.0 - charge - discharge
+        made = [
+            Segment(charge * period, values["charge_a"], True),
+            Segment(discharge * period, -values["discharge_a"], False),
+            Segment(rest * period if rest > 1e-9 else 0.0, 0.0, False),
+        ]
+        return [segment for segment in made if segment.length_s > 0.0]
+
+
+class Staged(Waveform):
+    """Constant currents, one for each window of SOC; over the last edge the phase is done."""
+
+    currents_a: list[Value] = Field(min_length=1, description="current of each stage [A]")
+    soc_edges: list[float] = Field(min_length=1, description="state of charge at which each stage ends [1]")
+
+    def segments(self, values: Mapping[str, float]) -> list[Segment]:
+        """Return one endless segment a stage."""
+        return [Segment(math.inf, values[f"currents_a.{n}"], True) for n in range(len(self.currents_a))]
+
+
+class Rest(Waveform):
+    """No current."""
+
+    def segments(self, values: Mapping[str, float]) -> list[Segment]:
+        """Return one endless segment without current."""
+        return [Segment(math.inf, 0.0, False)]
+
+
+WAVEFORMS: dict[str, type[Waveform]] = {
+    "constant_current": ConstantCurrent,
+    "constant_voltage": ConstantVoltage,
+    "pulse": Pulse,
+    "reflex": Reflex,
+    "staged": Staged,
+    "rest": Rest,
+}
