@@ -73,10 +73,15 @@ def _closure(module: str) -> set[str]:
 
 @cache
 def _tree(module: str) -> ast.Module:
+    """Return a module's syntax tree without docstrings."""
     path = _path(module)
     if path is None:
         raise ModuleNotFoundError(f"no first-party module {module}")
-    return ast.parse(path.read_text(encoding="utf-8"), filename=str(path))
+    tree = ast.parse(path.read_text(encoding="utf-8"), filename=str(path))
+    for node in ast.walk(tree):
+        if isinstance(node, ast.Module | ast.ClassDef | ast.FunctionDef | ast.AsyncFunctionDef):
+            node.body = [statement for statement in node.body if not _is_text(statement)] or [ast.Pass()]
+    return tree
 
 
 @cache
@@ -104,11 +109,7 @@ def _parents(module: str) -> list[str]:
 
 @cache
 def _tree_digest(module: str) -> str:
-    tree = ast.parse(ast.unparse(_tree(module)))
-    for node in ast.walk(tree):
-        if isinstance(node, ast.Module | ast.ClassDef | ast.FunctionDef | ast.AsyncFunctionDef):
-            node.body = [statement for statement in node.body if not _is_text(statement)] or [ast.Pass()]
-    return hashlib.sha256(ast.dump(tree).encode()).hexdigest()
+    return hashlib.sha256(ast.dump(_tree(module)).encode()).hexdigest()
 
 
 def _is_text(statement: ast.stmt) -> bool:

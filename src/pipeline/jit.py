@@ -1,47 +1,54 @@
 """Compilation of the numerical kernels, with a cache that no edit can leave stale.
 
 numba files a compiled function under the time stamp of its own module and never looks at the modules it calls.
-The cache folder therefore carries a digest of every module that may hold a kernel.
+Each module's kernels therefore lie in a folder named by the digest of the module and of all that it imports.
 """
 
 from __future__ import annotations
 
-import hashlib
 import os
 from collections.abc import Callable
+from functools import cache
 from pathlib import Path
 from typing import Any, TypeVar, cast
 
 import numba
 from numba.core import config
 
+from pipeline import digest
+
 F = TypeVar("F", bound=Callable[..., Any])
 
-KERNEL_ROOMS = ("cell", "charge", "converter", "panel", "search", "objective", "grnn")
 
-
-def cache_folder() -> Path:
-    """Return the folder of compiled kernels for the sources as they are now."""
-    package = Path(__file__).parent
-    digest = hashlib.sha256()
-    for room in KERNEL_ROOMS:
-        for module in sorted((package / room).rglob("*.py")):
-            digest.update(module.relative_to(package).as_posix().encode())
-            digest.update(module.read_bytes())
-    root = os.environ.get("CHARGE_PIPELINE_CACHE") or str(package.parent.parent / ".cache")
-    return Path(root) / "numba" / digest.hexdigest()[:16]
-
-
-config.CACHE_DIR = str(cache_folder())  # type: ignore[attr-defined]
+@cache
+def cache_folder(module: str) -> Path:
+    """Return the folder of a module's compiled kernels, for the sources as they are now."""
+    root = Path(os.environ.get("CHARGE_PIPELINE_CACHE") or digest.PROJECT / ".cache")
+    return root / "numba" / digest.of_code(module)[:16]
 
 
 def jit(function: F) -> F:
     """Compile `function` without Python objects, IEEE arithmetic kept, the result cached on disk."""
-    return cast(F, numba.njit(cache=True, fastmath=False, error_model="numpy")(function))
+    return _compile(function)
 
 
 def kernel(function: F) -> F:
-    """Compile like `jit` a function that allocates nothing: without the counting of references, which costs more than
-    the arithmetic of a small kernel."""
-    options = {"cache": True, "fastmath": False, "error_model": "numpy", "_nrt": False}
-    return cast(F, numba.njit(**options)(function))
+    """Compile a function that allocates nothing.
+
+    Without the counting of references, which would cost more than the arithmetic of a small kernel.
+    """
+    return _compile(function, _nrt=False)
+
+
+def inlined(function: F) -> F:
+    """Compile like `kernel`, into its callers: for the innermost functions, whose call would cost more than they do."""
+    return _compile(function, _nrt=False, forceinline=True)
+
+
+def _compile(function: F, **options: bool) -> F:
+    # Functions of other places (a notebook, a test) are compiled but not kept.
+    keep = function.__module__.split(".")[0] == "pipeline"
+    if keep:
+        # numba reads the folder when a function is decorated.
+        config.CACHE_DIR = str(cache_folder(function.__module__))  # type: ignore[attr-defined]
+    return cast(F, numba.njit(cache=keep, fastmath=False, error_model="numpy", **options)(function))
