@@ -61,7 +61,7 @@ def draw(figure: FigureCard, data: ReportData) -> Figure:
         charged = data.charged(comparison)
         for place, mode in enumerate(charged):
             seen.add(mode)
-            _line(axes, data.charge(comparison, mode, "trace"), quantity, marks[mode], len(charged) - 1 - place)
+            _line(axes, data.charge(comparison, mode, "trace"), quantity, marks[mode], min(3, len(charged) - 1 - place))
             if options.quantity == "soc":
                 _soc_marks(axes, data.quantities(comparison, mode), marks[mode])
         if options.quantity == "current":
@@ -89,9 +89,9 @@ def _line(axes: Axes, trace: Columns, quantity: Quantity, mark: style.Mark, late
         if np.max(high - low) > 1e-3 * max(1e-12, float(np.max(np.abs(values)))):
             times, lowest, highest = _blocks(hours, low, high)
             axes.fill_between(times, lowest, highest, color=mark.colour, alpha=0.13, linewidth=0)
-    axes.plot(hours, values, color=mark.colour, linestyle=mark.line, linewidth=1.6 + 0.5 * later)
+    axes.plot(hours, values, color=mark.colour, linestyle=mark.line, linewidth=1.6 + 0.4 * later)
     axes.plot(
-        hours[-1:], values[-1:], color=mark.colour, marker=mark.marker, linestyle="", markersize=5.5 + 3.0 * later
+        hours[-1:], values[-1:], color=mark.colour, marker=mark.marker, linestyle="", markersize=5.5 + 2.0 * later
     )
 
 
