@@ -1,4 +1,4 @@
-"""Where the energy of each charge was lost, mode by mode."""
+"""Where the heat of each charge came from, mode by mode."""
 
 from __future__ import annotations
 
@@ -44,7 +44,7 @@ def draw(figure: FigureCard, data: ReportData) -> Figure:
         axes.invert_yaxis()
         axes.grid(False, axis="y")
         axes.margins(x=0.12)
-    fields[-1].set_xlabel("Energy lost over the charge [Wh]")
+    fields[-1].set_xlabel("Energy turned into heat over the charge [Wh]")
     handles, labels = fields[0].get_legend_handles_labels()
     shown = dict(zip(labels, handles, strict=True))
     if shown:
@@ -79,9 +79,9 @@ def _bar(axes: Axes, place: int, losses: dict[str, float], colours: dict[str, st
         start = ends[value >= 0]
         axes.barh(place, value, left=start, height=0.62, color=colour, edgecolor="white", label=path)
         ends[value >= 0] += value
-        if abs(value) > 0.09 * total:
+        if abs(value) > 0.035 * total:
             axes.text(
-                start + value / 2, place, f"{value:.2f}", ha="center", va="center", color=_ink(colour), fontsize=8.5
+                start + value / 2, place, f"{value:.2f}", ha="center", va="center", color=_ink(colour), fontsize=8
             )
     axes.text(ends[True], place, f"  {sum(losses.values()):.2f} Wh", va="center")
 

@@ -58,9 +58,10 @@ def draw(figure: FigureCard, data: ReportData) -> Figure:
     seen: set[str] = set()
     for axes, comparison in zip(fields, comparisons, strict=False):
         axes.set_title(data.comparisons[comparison])
-        for mode in data.charged(comparison):
+        charged = data.charged(comparison)
+        for place, mode in enumerate(charged):
             seen.add(mode)
-            _line(axes, data.charge(comparison, mode, "trace"), quantity, marks[mode])
+            _line(axes, data.charge(comparison, mode, "trace"), quantity, marks[mode], min(3, len(charged) - 1 - place))
             if options.quantity == "soc":
                 _soc_marks(axes, data.quantities(comparison, mode), marks[mode])
         if options.quantity == "current":
@@ -75,7 +76,8 @@ def draw(figure: FigureCard, data: ReportData) -> Figure:
     return drawing
 
 
-def _line(axes: Axes, trace: Columns, quantity: Quantity, mark: style.Mark) -> None:
+def _line(axes: Axes, trace: Columns, quantity: Quantity, mark: style.Mark, later: int) -> None:
+    """Draw one mode, the wider the more modes come later: where they coincide none hides another."""
     hours = trace["Test Time / s"] / 3600.0
     if not len(hours):
         return
@@ -87,8 +89,10 @@ def _line(axes: Axes, trace: Columns, quantity: Quantity, mark: style.Mark) -> N
         if np.max(high - low) > 1e-3 * max(1e-12, float(np.max(np.abs(values)))):
             times, lowest, highest = _blocks(hours, low, high)
             axes.fill_between(times, lowest, highest, color=mark.colour, alpha=0.13, linewidth=0)
-    axes.plot(hours, values, color=mark.colour, linestyle=mark.line)
-    axes.plot(hours[-1:], values[-1:], color=mark.colour, marker=mark.marker, linestyle="")
+    axes.plot(hours, values, color=mark.colour, linestyle=mark.line, linewidth=1.6 + 0.4 * later)
+    axes.plot(
+        hours[-1:], values[-1:], color=mark.colour, marker=mark.marker, linestyle="", markersize=5.5 + 2.0 * later
+    )
 
 
 def _blocks(
