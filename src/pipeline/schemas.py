@@ -16,7 +16,8 @@ PANEL_PARAMETERS = Table(
         Column("series_resistance_ohm", "ohm", "series resistance R_s"),
         Column("shunt_resistance_ohm", "ohm", "shunt resistance R_sh"),
         Column("modified_ideality_v", "V", "modified ideality factor a = n N_s k T / q"),
-        Column("fit_residual", "1", "largest relative deviation of the five fitted equations"),
+        Column("adjust_percent", "%", "adjustment of the temperature coefficients, as in the CEC model"),
+        Column("fit_residual", "1", "largest relative deviation of the six fitted equations"),
     ),
 )
 PANEL_CURVES = Table(

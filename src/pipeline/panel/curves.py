@@ -1,0 +1,121 @@
+"""Characteristic points and curves of the fitted panel over irradiance and temperature, by pvlib."""
+
+from __future__ import annotations
+
+import itertools
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from pipeline.panel.records import Panel, PanelCurveSettings
+from pipeline.panel.single_diode import SingleDiode, deviations
+
+Columns = dict[str, NDArray[np.float64]]
+
+_POINT_NAMES = {
+    "short_circuit_current_a": "i_sc",
+    "open_circuit_voltage_v": "v_oc",
+    "max_power_current_a": "i_mp",
+    "max_power_voltage_v": "v_mp",
+    "max_power_w": "p_mp",
+}
+
+
+def parameters(panel: Panel, diode: SingleDiode) -> Columns:
+    """Return the fitted parameters and the fit's largest relative deviation, as the one row of PANEL_PARAMETERS."""
+    columns = {name: np.array([value]) for name, value in diode._asdict().items()}
+    columns["fit_residual"] = np.array([deviations(panel, diode).largest()])
+    return columns
+
+
+def points(panel: Panel, diode: SingleDiode, irradiance_w_m2: ArrayLike, cell_temperature_c: ArrayLike) -> Columns:
+    """Return the characteristic points of all panels together.
+
+    Arguments
+    ---------
+    panel : the data sheet; its temperature coefficients and the number of panels.
+    diode : fitted parameters of one panel.
+    irradiance_w_m2, cell_temperature_c : one row per condition [W/m2], [degC], shape (n,).
+
+    Returns
+    -------
+    The columns of PANEL_POINTS, shape (n,) each.
+    """
+    from pvlib.pvsystem import singlediode
+
+    irradiance, temperature = _rows(irradiance_w_m2, cell_temperature_c)
+    single = singlediode(*_conditions(panel, diode, irradiance, temperature), method="newton")
+    found = {name: np.asarray(single[theirs], dtype=float) for name, theirs in _POINT_NAMES.items()}
+    for name in ("short_circuit_current_a", "max_power_current_a", "max_power_w"):
+        found[name] = found[name] * panel.panels_in_parallel
+    for name in ("open_circuit_voltage_v", "max_power_voltage_v", "max_power_w"):
+        found[name] = found[name] * panel.panels_in_series
+    return {"irradiance_w_m2": irradiance, "cell_temperature_c": temperature, **found}
+
+
+def curves(panel: Panel, diode: SingleDiode, settings: PanelCurveSettings) -> tuple[Columns, Columns]:
+    """Return the current-voltage curves over the whole grid of irradiances and temperatures.
+
+    Arguments
+    ---------
+    panel : the data sheet.
+    diode : fitted parameters of one panel.
+    settings : the grid.
+
+    Returns
+    -------
+    The columns of PANEL_CURVES, from short circuit to open circuit, a curve after the other, and of PANEL_POINTS.
+    """
+    from pvlib.pvsystem import i_from_v
+
+    grid = np.array(list(itertools.product(settings.irradiances_w_m2, settings.cell_temperatures_c)))
+    ends = points(panel, diode, grid[:, 0], grid[:, 1])
+    photocurrent, saturation, series, shunt, ideality = _conditions(panel, diode, grid[:, 0], grid[:, 1])
+    shares = np.linspace(0.0, 1.0, settings.points_per_curve)
+    voltage = ends["open_circuit_voltage_v"][:, None] * shares
+    current = panel.panels_in_parallel * i_from_v(
+        voltage / panel.panels_in_series,
+        photocurrent[:, None],
+        saturation[:, None],
+        series,
+        shunt[:, None],
+        ideality[:, None],
+        method="newton",
+    )
+    current[:, -1] = 0.0  # what open circuit means; the solver leaves some 1e-12 A
+    columns = {
+        "irradiance_w_m2": np.repeat(grid[:, 0], settings.points_per_curve),
+        "cell_temperature_c": np.repeat(grid[:, 1], settings.points_per_curve),
+        "voltage_v": voltage.ravel(),
+        "current_a": current.ravel(),
+        "power_w": (voltage * current).ravel(),
+    }
+    return columns, ends
+
+
+def _rows(irradiance_w_m2: ArrayLike, cell_temperature_c: ArrayLike) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    irradiance, temperature = np.broadcast_arrays(
+        np.atleast_1d(np.asarray(irradiance_w_m2, dtype=float)),
+        np.atleast_1d(np.asarray(cell_temperature_c, dtype=float)),
+    )
+    return irradiance.copy(), temperature.copy()
+
+
+def _conditions(
+    panel: Panel, diode: SingleDiode, irradiance: NDArray[np.float64], temperature: NDArray[np.float64]
+) -> tuple[NDArray[np.float64], NDArray[np.float64], float, NDArray[np.float64], NDArray[np.float64]]:
+    from pvlib.pvsystem import calcparams_cec
+
+    photocurrent, saturation, series, shunt, ideality = calcparams_cec(
+        irradiance,
+        temperature,
+        panel.alpha_isc_a_per_k,
+        diode.modified_ideality_v,
+        diode.photocurrent_a,
+        diode.saturation_current_a,
+        diode.shunt_resistance_ohm,
+        diode.series_resistance_ohm,
+        diode.adjust_percent,
+    )
+    shunt = np.broadcast_to(shunt, irradiance.shape)
+    return photocurrent, saturation, float(np.ravel(series)[0]), shunt, ideality

@@ -1,0 +1,68 @@
+"""What a report is made of; light to import."""
+
+from __future__ import annotations
+
+from typing import Any, Literal
+
+from pydantic import Field, model_validator
+
+from pipeline.errors import best_matches
+from pipeline.record import Record
+
+
+class NoOptions(Record):
+    """A figure with nothing to choose."""
+
+
+class OverTimeOptions(Record):
+    """A quantity over the whole charge."""
+
+    quantity: Literal["current", "voltage", "soc", "temperature"]
+
+
+class EnlargedOptions(Record):
+    """A quantity at full resolution, in the windows of the charge."""
+
+    quantity: Literal["current", "voltage"]
+    windows: tuple[int, ...] = Field(default=(), description="which windows, from 0; empty for all of them")
+
+
+class WaveformOptions(Record):
+    """The waveform of one mode, from its knobs."""
+
+    mode: str = Field(default="cv_reflex", min_length=1, description="name of the mode")
+    periods: float = Field(default=2.0, ge=1, le=10, description="how many periods are drawn [1]")
+
+
+DRAWINGS: dict[str, type[Record]] = {
+    "energy": NoOptions,
+    "enlarged": EnlargedOptions,
+    "over_time": OverTimeOptions,
+    "panel_curves": NoOptions,
+    "reflex_waveform": WaveformOptions,
+    "supply": NoOptions,
+}
+"""Every module under `figures` and the record of its options."""
+
+
+class FigureCard(Record):
+    """One figure of a report; its identifier, the key it stands under, is also its file name."""
+
+    draw: str = Field(description="module under pipeline.report.figures that draws it")
+    paper: str = Field(default="", description="its number in the paper; empty for a figure of our own")
+    title: str = Field(min_length=1, description="title, for people")
+    caption: str = Field(min_length=1, description="what it shows; also its text for those who cannot see it")
+    reads: tuple[Literal["panel", "supply", "charge"], ...] = Field(description="the phases whose artefacts it reads")
+    comparison: str | None = Field(default=None, description="the only comparison it shows; all of them without")
+    options: dict[str, Any] = Field(default_factory=dict, description="what the drawing module lets one choose")
+
+    @model_validator(mode="after")
+    def _drawable(self) -> FigureCard:
+        if self.draw not in DRAWINGS:
+            raise ValueError(f"draw is {self.draw!r}, which draws nothing; {best_matches(self.draw, DRAWINGS)}")
+        self.chosen()
+        return self
+
+    def chosen(self) -> Record:
+        """Return the options as the record the drawing module declares."""
+        return DRAWINGS[self.draw](**self.options)

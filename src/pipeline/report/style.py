@@ -1,0 +1,93 @@
+"""One look for every figure, the mark of each mode, and files with the same bytes every time."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import matplotlib
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
+
+STYLE_FILE = Path(__file__).with_name("charge.mplstyle")
+WIDTH_IN = 9.0
+GREY = "#777777"
+
+
+class Mark(NamedTuple):
+    """Colour, line style and marker of a mode: each alone tells it from the others."""
+
+    colour: str
+    line: Any
+    marker: str
+
+
+# Paul Tol's high-contrast triple, its yellow darkened, which keeps its order of lightness in grey print.
+MARKS = (
+    Mark("#004488", "-", "o"),
+    Mark("#c48a00", (0, (6, 1.6)), "s"),
+    Mark("#bb3355", (0, (6, 1.6, 1.4, 1.6)), "^"),
+    Mark("#222222", (0, (1.4, 1.4)), "D"),
+    Mark("#228833", (0, (9, 2.5)), "v"),
+    Mark("#55aadd", (0, (6, 1.4, 1.4, 1.4, 1.4, 1.4)), "P"),
+    Mark("#885599", (0, (3, 1.5)), "X"),
+)
+PARTS = ("#004488", "#6699cc", "#c48a00", "#eecc66", "#bb3355", "#ee99aa", "#228833", "#999999", "#ccbbdd")
+"""Colours of the parts of a whole, dark and light in turn."""
+
+
+def marks(modes: Sequence[str]) -> dict[str, Mark]:
+    """Return the mark of each mode by its place in the run's list; after seven modes they start again."""
+    return {mode: MARKS[place % len(MARKS)] for place, mode in enumerate(modes)}
+
+
+@contextmanager
+def active() -> Iterator[None]:
+    """Draw and save with the style file on matplotlib's own defaults, whatever the user's settings are."""
+    with matplotlib.rc_context():
+        matplotlib.rcdefaults()
+        matplotlib.rcParams.update(matplotlib.rc_params_from_file(STYLE_FILE, use_default_template=False))
+        yield
+
+
+def figure(height_in: float) -> Figure:
+    """Return an empty figure of the page's width."""
+    return Figure(figsize=(WIDTH_IN, height_in), layout="constrained")
+
+
+def legend(drawing: Figure, titles: dict[str, str], found: dict[str, Mark], markers: bool = False) -> None:
+    """Put one legend of the modes above all axes."""
+    handles = [
+        Line2D(
+            [], [], color=mark.colour, linestyle=mark.line, marker=mark.marker if markers else "", label=titles[mode]
+        )
+        for mode, mark in found.items()
+    ]
+    drawing.legend(handles=handles, loc="outside upper center", ncols=min(len(handles), 4) or 1)
+
+
+def nothing(axes: Axes, why: str) -> None:
+    """Say in an empty field why nothing is drawn in it."""
+    axes.text(0.5, 0.5, why, transform=axes.transAxes, ha="center", va="center", color=GREY)
+
+
+def save(drawing: Figure, folder: Path, name: str) -> list[Path]:
+    """Write a figure as SVG and PNG without date, version or any other trace of when and where.
+
+    Arguments
+    ---------
+    drawing : the figure.
+    folder, name : where, and the file name without ending.
+
+    Returns
+    -------
+    The paths written.
+    """
+    paths = [folder / f"{name}.svg", folder / f"{name}.png"]
+    drawing.savefig(paths[0], format="svg", metadata={"Date": None, "Creator": None, "Title": name})
+    drawing.set_layout_engine("none")  # both files show one layout, and it is found once
+    drawing.savefig(paths[1], format="png", metadata={"Software": None})
+    return paths

@@ -1,0 +1,42 @@
+"""Every number of these groups has a source, every record takes its YAML, and its records import nothing heavy."""
+
+from __future__ import annotations
+
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+import yaml
+
+from pipeline.converter.records import Load, PowerChain
+from pipeline.panel.records import ConstantWeather, Panel
+
+CONF = Path(__file__).parents[2] / "conf"
+GROUPS = {"panel": Panel, "weather": ConstantWeather, "converter": PowerChain, "load": Load}
+FILES = [path for group in GROUPS for path in sorted((CONF / group).glob("*.yaml"))]
+
+
+@pytest.mark.parametrize("path", FILES, ids=lambda path: f"{path.parent.name}/{path.stem}")
+def test_every_number_has_a_source(path):
+    settings = yaml.safe_load(path.read_text())
+    sources = settings.pop("sources")
+    GROUPS[path.parent.name](**settings)
+    physical = {key for key, value in settings.items() if not isinstance(value, str)}
+    assert physical == set(sources)
+    for name, source in sources.items():
+        assert source["kind"] in {"published", "data_sheet", "derived", "estimate", "calibrated"}
+        assert source["ref"]
+        if "range" in source and not isinstance(settings[name], dict):
+            assert source["range"][0] <= settings[name] <= source["range"][1]
+
+
+def test_records_import_nothing_heavy():
+    code = (
+        "import sys, pipeline.panel.records, pipeline.converter.records, pipeline.converter.checks\n"
+        "print([m for m in ('numba', 'scipy', 'pvlib', 'matplotlib', 'pandas', 'numpy') if m in sys.modules])"
+    )
+    environment = {**os.environ, "PYTHONPATH": str(CONF.parent / "src")}
+    done = subprocess.run([sys.executable, "-c", code], env=environment, capture_output=True, text=True, check=True)
+    assert done.stdout.strip() == "[]"
