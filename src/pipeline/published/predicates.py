@@ -66,8 +66,10 @@ def _close(limits: CloseTo, reader: Reader, unit: str) -> Outcome:
     value, target = number(limits.value, reader), number(limits.to, reader)
     allowed = limits.tolerance if limits.tolerance is not None else abs(target) * (limits.relative_tolerance or 0.0)
     margin = _known(allowed - abs(value - target), limits.value)
+    within = plain(allowed, unit_of(limits.value, unit))
     told = compared((limits.value, limits.to), (value, target), unit)
-    sentence = f"{told}; asked to agree to {plain(allowed, unit_of(limits.value, unit))}"
+    asked = f"{stated(limits.value, value, unit)}; asked to be within {within} of {stated(limits.to, target, unit)}"
+    sentence = f"{told}; asked to agree to {within}" if told else asked
     return Outcome(margin >= 0, margin, _share(margin, allowed), sentence, value, target, allowed)
 
 
@@ -77,7 +79,8 @@ def _ordered(pair: Ordered, reader: Reader, unit: str, sign: int) -> Outcome:
     word = "above" if sign > 0 else "below"
     least = f" by {plain(pair.by, unit)}" if pair.by else ""
     told = compared((pair.value, pair.than), (value, bound), unit)
-    sentence = f"{told}; the first is asked to be {word} the second{least}"
+    asked = f"{stated(pair.value, value, unit)}; asked to be {word} {stated(pair.than, bound, unit)}{least}"
+    sentence = f"{told}; the first is asked to be {word} the second{least}" if told else asked
     published = bound if isinstance(pair.than, float) else None
     return Outcome(margin > 0, margin, _share(margin, bound), sentence, value, published, pair.by or None)
 
@@ -86,7 +89,10 @@ def _extreme(extreme: Extreme, reader: Reader, unit: str, sign: int) -> Outcome:
     value = number(extreme.value, reader)
     others = [number(other, reader) for other in extreme.among]
     margin = _known(min(sign * (value - other) for other in others) - extreme.by, extreme.value)
-    told = compared((extreme.value, *extreme.among), (value, *others), unit)
+    operands, found = (extreme.value, *extreme.among), (value, *others)
+    told = compared(operands, found, unit) or ", ".join(
+        stated(operand, one, unit) for operand, one in zip(operands, found, strict=True)
+    )
     least = f" by {plain(extreme.by, unit)}" if extreme.by else ""
     sentence = f"{told}; the first is asked to be the {'largest' if sign > 0 else 'smallest'}{least}"
     return Outcome(margin > 0, margin, _share(margin, value), sentence, value, None, extreme.by or None)

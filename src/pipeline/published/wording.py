@@ -74,15 +74,17 @@ def stated(operand: Operand, value: float, unit: str) -> str:
     text = plain(value, unit_of(operand, unit))
     if isinstance(operand, float):
         return text
+    if not values(operand):
+        return f"{shape(operand)} = {text}"
     printed = isinstance(operand, Value) and operand.artefact.startswith("reference/")
     return f"printed {text}" if printed else f"{label(operand)} {text}"
 
 
 def compared(operands: Sequence[Operand], found: Sequence[float], unit: str) -> str:
-    """Return operands with their numbers; what all are is said once where they differ only in the artefact."""
+    """Return operands that differ only in their artefact with their numbers, what they are said once; else nothing."""
     owners = [{value.artefact for value in values(one)} if not isinstance(one, float) else set() for one in operands]
     if len({shape(one) for one in operands}) > 1 or any(len(owner) != 1 for owner in owners):
-        return ", ".join(stated(one, value, unit) for one, value in zip(operands, found, strict=True))
+        return ""
     numbers = (plain(value, unit_of(one, unit)) for one, value in zip(operands, found, strict=True))
     told = (f"{charge_name(owner.pop())} {number}" for owner, number in zip(owners, numbers, strict=True))
     return f"{shape(operands[0])}: {', '.join(told)}"
