@@ -26,7 +26,7 @@ from pipeline.published.records import (
     TablePair,
     Within,
 )
-from pipeline.published.wording import label, plain, stated
+from pipeline.published.wording import compared, label, plain, stated, unit_of
 
 
 def apply(check: Check, reader: Reader, unit: str) -> Outcome:
@@ -66,7 +66,10 @@ def _close(limits: CloseTo, reader: Reader, unit: str) -> Outcome:
     value, target = number(limits.value, reader), number(limits.to, reader)
     allowed = limits.tolerance if limits.tolerance is not None else abs(target) * (limits.relative_tolerance or 0.0)
     margin = _known(allowed - abs(value - target), limits.value)
-    sentence = f"{stated(limits.value, value, unit)}; {stated(limits.to, target, unit)} +- {plain(allowed, unit)} asked"
+    within = plain(allowed, unit_of(limits.value, unit))
+    told = compared((limits.value, limits.to), (value, target), unit)
+    asked = f"{stated(limits.value, value, unit)}; asked to be within {within} of {stated(limits.to, target, unit)}"
+    sentence = f"{told}; asked to agree to {within}" if told else asked
     return Outcome(margin >= 0, margin, _share(margin, allowed), sentence, value, target, allowed)
 
 
@@ -75,7 +78,9 @@ def _ordered(pair: Ordered, reader: Reader, unit: str, sign: int) -> Outcome:
     margin = _known(sign * (value - bound) - pair.by, pair.value)
     word = "above" if sign > 0 else "below"
     least = f" by {plain(pair.by, unit)}" if pair.by else ""
-    sentence = f"{stated(pair.value, value, unit)}; asked to be {word}{least}: {stated(pair.than, bound, unit)}"
+    told = compared((pair.value, pair.than), (value, bound), unit)
+    asked = f"{stated(pair.value, value, unit)}; asked to be {word} {stated(pair.than, bound, unit)}{least}"
+    sentence = f"{told}; the first is asked to be {word} the second{least}" if told else asked
     published = bound if isinstance(pair.than, float) else None
     return Outcome(margin > 0, margin, _share(margin, bound), sentence, value, published, pair.by or None)
 
@@ -84,16 +89,20 @@ def _extreme(extreme: Extreme, reader: Reader, unit: str, sign: int) -> Outcome:
     value = number(extreme.value, reader)
     others = [number(other, reader) for other in extreme.among]
     margin = _known(min(sign * (value - other) for other in others) - extreme.by, extreme.value)
-    told = "; ".join(stated(other, found, unit) for other, found in zip(extreme.among, others, strict=True))
-    word = "largest" if sign > 0 else "smallest"
-    sentence = f"{stated(extreme.value, value, unit)}, asked to be the {word}: {told}"
+    operands, found = (extreme.value, *extreme.among), (value, *others)
+    told = compared(operands, found, unit) or ", ".join(
+        stated(operand, one, unit) for operand, one in zip(operands, found, strict=True)
+    )
+    least = f" by {plain(extreme.by, unit)}" if extreme.by else ""
+    sentence = f"{told}; the first is asked to be the {'largest' if sign > 0 else 'smallest'}{least}"
     return Outcome(margin > 0, margin, _share(margin, value), sentence, value, None, extreme.by or None)
 
 
 def _within(limits: Range, reader: Reader, unit: str) -> Outcome:
     value = number(limits.value, reader)
     margin = _known(min(value - limits.low, limits.high - value), limits.value)
-    sentence = f"{stated(limits.value, value, unit)}; asked: {plain(limits.low, unit)} to {plain(limits.high, unit)}"
+    asked = f"{plain(limits.low, unit)} to {plain(limits.high, unit)}"
+    sentence = f"{stated(limits.value, value, unit)}; asked to lie in {asked}"
     return Outcome(margin >= 0, margin, _share(margin, (limits.high - limits.low) / 2), sentence, value)
 
 

@@ -4,10 +4,12 @@ from __future__ import annotations
 
 import math
 import re
+from collections.abc import Sequence
 
-from pipeline.published.operands import AtTime, Difference, Operand, Product, Ratio, Total, Value
+from pipeline.published.operands import AtTime, Difference, Operand, Product, Ratio, Total, Value, values
 
-_UNIT_ENDING = re.compile(r"_(s|k|c|a|v|w|ah|wh|j|w_m2)$")
+_UNITS = {"s": "s", "k": "K", "c": "degC", "a": "A", "v": "V", "w": "W", "j": "J", "ah": "Ah", "wh": "Wh"}
+_UNIT_ENDING = re.compile(rf"_({'|'.join(_UNITS)})$")
 
 
 def plain(value: float, unit: str = "1") -> str:
@@ -21,7 +23,7 @@ def plain(value: float, unit: str = "1") -> str:
 def charge_name(artefact: str) -> str:
     """Return `mode (comparison)` for a charge, the input's own name for anything else."""
     parts = artefact.split("/")
-    return f"{parts[2]} ({parts[1]})" if parts[0] == "charge" and len(parts) == 3 else artefact
+    return f"{parts[2]} ({parts[1].replace('_', ' ')})" if parts[0] == "charge" and len(parts) == 3 else artefact
 
 
 def quantity_name(quantity: str) -> str:
@@ -29,25 +31,60 @@ def quantity_name(quantity: str) -> str:
     return _UNIT_ENDING.sub("", quantity).replace("_", " ").replace("soc", "SOC")
 
 
-def label(operand: Operand) -> str:
-    """Return an operand as words."""
+def unit_of(operand: Operand, unit: str) -> str:
+    """Return the unit a value's name carries, else the statement's."""
+    found = _UNIT_ENDING.search(operand.quantity) if isinstance(operand, Value) else None
+    return _UNITS[found[1]] if found else unit
+
+
+def shape(operand: Operand) -> str:
+    """Return an operand as words, without saying of which artefact."""
     match operand:
         case Value():
-            return f"{quantity_name(operand.quantity)} of {charge_name(operand.artefact)}"
+            return quantity_name(operand.quantity)
         case Difference(difference=(left, right)):
-            return f"({label(left)}) - ({label(right)})"
+            return f"({shape(left)}) - ({shape(right)})"
         case Ratio(ratio=(left, right)):
-            return f"({label(left)}) / ({label(right)})"
+            if len({value.artefact for value in values(operand)}) > 1:
+                return f"{label(left)} / {label(right)}"
+            return f"{shape(left)} / {shape(right)}"
         case Product(product=factors):
-            return " x ".join(label(factor) for factor in factors)
+            return " x ".join(shape(factor) for factor in factors)
         case Total(total=column):
-            return f"sum of {label(column)}"
+            return f"sum of {shape(column)}"
         case AtTime(at_time=moment):
             return f"{label(moment.value)} at {label(moment.time)}"
         case _:
             return plain(float(operand))
 
 
+def label(operand: Operand) -> str:
+    """Return an operand as words with its artefact."""
+    owners = {value.artefact for value in values(operand)} if not isinstance(operand, float) else set()
+    if len(owners) != 1 or isinstance(operand, AtTime):
+        return shape(operand)
+    owner = owners.pop()
+    return (
+        f"printed {shape(operand)}" if owner.startswith("reference/") else f"{shape(operand)} of {charge_name(owner)}"
+    )
+
+
 def stated(operand: Operand, value: float, unit: str) -> str:
-    """Return an operand with its number, or the number alone where the operand is one."""
-    return plain(value, unit) if isinstance(operand, (int, float)) else f"{label(operand)} is {plain(value, unit)}"
+    """Return an operand with its number, or the number alone where the operand is one or is printed."""
+    text = plain(value, unit_of(operand, unit))
+    if isinstance(operand, float):
+        return text
+    if not values(operand):
+        return f"{shape(operand)} = {text}"
+    printed = isinstance(operand, Value) and operand.artefact.startswith("reference/")
+    return f"printed {text}" if printed else f"{label(operand)} {text}"
+
+
+def compared(operands: Sequence[Operand], found: Sequence[float], unit: str) -> str:
+    """Return operands that differ only in their artefact with their numbers, what they are said once; else nothing."""
+    owners = [{value.artefact for value in values(one)} if not isinstance(one, float) else set() for one in operands]
+    if len({shape(one) for one in operands}) > 1 or any(len(owner) != 1 for owner in owners):
+        return ""
+    numbers = (plain(value, unit_of(one, unit)) for one, value in zip(operands, found, strict=True))
+    told = (f"{charge_name(owner.pop())} {number}" for owner, number in zip(owners, numbers, strict=True))
+    return f"{shape(operands[0])}: {', '.join(told)}"
