@@ -25,9 +25,9 @@ INPUTS = {"panel", "supply", "reference/solar_table1"} | {
 MARKS = (0.8, 0.95)
 # mode -> time to 95 %, peak rise, rise at 95 %, charge efficiency, energy efficiency
 AS_PUBLISHED = {
-    "cc_cv": (9500.0, 22.0, 20.0, 0.970, 0.90),
+    "cc_cv": (9500.0, 22.0, 20.0, 0.975, 0.90),
     "cv_pulse": (9800.0, 6.0, 5.0, 0.960, 0.89),
-    "cv_reflex": (9700.0, 4.0, 3.0, 0.975, 0.89),
+    "cv_reflex": (9700.0, 4.0, 3.0, 0.990, 0.89),
 }
 OTHERWISE = {
     "cc_cv": (9500.0, 5.0, 4.0, 0.990, 0.95),

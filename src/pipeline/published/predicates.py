@@ -82,7 +82,7 @@ def _ordered(pair: Ordered, reader: Reader, unit: str, sign: int) -> Outcome:
     asked = f"{stated(pair.value, value, unit)}; asked to be {word} {stated(pair.than, bound, unit)}{least}"
     sentence = f"{told}; the first is asked to be {word} the second{least}" if told else asked
     published = bound if isinstance(pair.than, float) else None
-    return Outcome(margin > 0, margin, _share(margin, bound), sentence, value, published, pair.by or None)
+    return Outcome(margin > 0, margin, _share(margin, bound), sentence, value, published)
 
 
 def _extreme(extreme: Extreme, reader: Reader, unit: str, sign: int) -> Outcome:
@@ -95,7 +95,7 @@ def _extreme(extreme: Extreme, reader: Reader, unit: str, sign: int) -> Outcome:
     )
     least = f" by {plain(extreme.by, unit)}" if extreme.by else ""
     sentence = f"{told}; the first is asked to be the {'largest' if sign > 0 else 'smallest'}{least}"
-    return Outcome(margin > 0, margin, _share(margin, value), sentence, value, None, extreme.by or None)
+    return Outcome(margin > 0, margin, _share(margin, value), sentence, value)
 
 
 def _within(limits: Range, reader: Reader, unit: str) -> Outcome:

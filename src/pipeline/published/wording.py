@@ -43,19 +43,24 @@ def shape(operand: Operand) -> str:
         case Value():
             return quantity_name(operand.quantity)
         case Difference(difference=(left, right)):
-            return f"({shape(left)}) - ({shape(right)})"
+            return f"{_part(left)} - {_part(right)}"
         case Ratio(ratio=(left, right)):
             if len({value.artefact for value in values(operand)}) > 1:
                 return f"{label(left)} / {label(right)}"
-            return f"{shape(left)} / {shape(right)}"
+            return f"{_part(left)} / {_part(right)}"
         case Product(product=factors):
-            return " x ".join(shape(factor) for factor in factors)
+            return " x ".join(_part(factor) for factor in factors)
         case Total(total=column):
             return f"sum of {shape(column)}"
         case AtTime(at_time=moment):
             return f"{label(moment.value)} at {label(moment.time)}"
         case _:
             return plain(float(operand))
+
+
+def _part(operand: Operand) -> str:
+    text = shape(operand)
+    return f"({text})" if isinstance(operand, (Difference, Ratio)) else text
 
 
 def label(operand: Operand) -> str:

@@ -116,14 +116,14 @@ def table_groups(table: ReportTable) -> list[tuple[Cell, list[tuple[Cell, ...]]]
     return [(name, [row[1:] for row in rows]) for name, rows in groupby(table.rows, lambda row: row[0])]
 
 
-def number(value: Any) -> str:
-    """Return a cell for people: numbers to five digits with a true minus sign, nothing as a dash."""
+def number(value: Any, digits: int = 5) -> str:
+    """Return a cell for people: numbers to a few digits with a true minus sign, nothing as a dash."""
     cell = plain(value)
     if cell is None or cell == "":
         return "–"
     if isinstance(cell, str):
         return cell
-    text = f"{cell:d}" if isinstance(cell, int) else f"{cell:.0f}" if 1e5 <= abs(cell) < 1e9 else f"{cell:.5g}"
+    text = f"{cell:d}" if isinstance(cell, int) else f"{cell:.0f}" if 1e5 <= abs(cell) < 1e9 else f"{cell:.{digits}g}"
     return text.replace("-", "−")
 
 
