@@ -51,4 +51,5 @@ def _compile(function: F, **options: bool) -> F:
     if keep:
         # numba reads the folder when a function is decorated.
         config.CACHE_DIR = str(cache_folder(function.__module__))  # type: ignore[attr-defined]
-    return cast(F, numba.njit(cache=keep, fastmath=False, error_model="numpy", **options)(function))
+    settings: dict[str, Any] = {"cache": keep, "fastmath": False, "error_model": "numpy", **options}
+    return cast(F, numba.njit(**settings)(function))

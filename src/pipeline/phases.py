@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -171,7 +171,7 @@ def _verdicts(study: Study, nodes: list[Draft]) -> Iterator[Draft]:
         "verdicts",
         study.study.name,
         {
-            "statements": plain(study.published),
+            "statements": _named(study.published),
             "calibrated": {key: paths for key, paths in calibrated.items() if paths},
         },
         inputs=dict(sorted(inputs.items())),
@@ -180,7 +180,7 @@ def _verdicts(study: Study, nodes: list[Draft]) -> Iterator[Draft]:
 
 
 def _calibrated(study: Study, nodes: list[Draft], names: set[str], statement: str) -> set[str]:
-    """Return the parameters calibrated to a statement that reach its answer through the plan's edges."""
+    """Return the parameters that were fitted to a statement and reach its answer through the plan's edges."""
     by_name = {node.name: node for node in nodes}
     waiting, seen = list(names), set[str]()
     while waiting:
@@ -189,11 +189,7 @@ def _calibrated(study: Study, nodes: list[Draft], names: set[str], statement: st
             seen.add(name)
             waiting.extend(by_name[name].inputs.values())
     sections = tuple(section for name in seen for section in by_name[name].sections)
-    return {
-        path
-        for path, source in study.sources.items()
-        if source.kind == "calibrated" and source.to == statement and _below(path, sections)
-    }
+    return {path for path, source in study.sources.items() if source.to == statement and _below(path, sections)}
 
 
 def _figures(study: Study, nodes: list[Draft]) -> Iterator[Draft]:
@@ -219,12 +215,16 @@ def _wanted(node: Draft, reads: Iterable[str], comparison: str | None) -> bool:
 
 def _labels(study: Study) -> dict[str, Any]:
     """What every reader of charges needs to name them: titles, and the modes as configured."""
-    return {
-        "modes": {
-            name: {"title": study.modes[name].title, "knobs": plain(study.modes[name].knobs)} for name in study.run
-        },
-        "comparisons": {name: comparison.title for name, comparison in study.comparisons.items()},
-    }
+    modes = [
+        {"name": name, "title": study.modes[name].title, "knobs": plain(study.modes[name].knobs)} for name in study.run
+    ]
+    comparisons = [{"name": name, "title": comparison.title} for name, comparison in study.comparisons.items()]
+    return {"modes": modes, "comparisons": comparisons}
+
+
+def _named(records: Mapping[str, Record]) -> list[dict[str, Any]]:
+    """Return records as a list: where their order counts, it must count in the key too."""
+    return [{"name": name, **plain(record)} for name, record in records.items()]
 
 
 def _page(study: Study, nodes: list[Draft]) -> Iterator[Draft]:
@@ -237,7 +237,7 @@ def _page(study: Study, nodes: list[Draft]) -> Iterator[Draft]:
         {
             "study": plain(study.study),
             "battery": study.battery.title,
-            "figures": {identifier: plain(card) for identifier, card in study.figures.items()},
+            "figures": _named(study.figures),
             "parameters": [
                 {"path": path, "value": values[path], **plain(source)} for path, source in study.sources.items()
             ],

@@ -95,7 +95,9 @@ def response(z: float, theta: float, phi: NDArray[np.float64], out: NDArray[np.f
 
 
 @kernel
-def fill(weights: Weights, slot: int, length_s: float, tau_s: NDArray[np.float64], scratch: NDArray[np.float64]) -> None:
+def fill(
+    weights: Weights, slot: int, length_s: float, tau_s: NDArray[np.float64], scratch: NDArray[np.float64]
+) -> None:
     """Compute the weights of one step length; `scratch` holds at least 20 numbers."""
     weights.length_s[slot] = length_s
     phi, monomial, row = scratch[:PHI], scratch[PHI : PHI + 9], scratch[PHI + 9 : PHI + 12]

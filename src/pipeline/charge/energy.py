@@ -73,10 +73,7 @@ def balance(
         *((f"pair {n} store", "stored", e, "change of C v^2 / 2") for n, e in zip(names, stored, strict=True)),
         ("gas", "stored", gas, "change of the energy of gas not yet recombined"),
         ("series resistance", "loss", gains[SERIES_HEAT], "R0 I^2"),
-        *(
-            (f"pair {name}", "loss", gains[PAIR_HEAT + k], "v^2 / R - (v^2 / 2) dC/dt")
-            for k, name in enumerate(names)
-        ),
+        *((f"pair {name}", "loss", gains[PAIR_HEAT + k], "v^2 / R - (v^2 / 2) dC/dt") for k, name in enumerate(names)),
         ("charge transfer", "loss", gains[TRANSFER_HEAT], "overpotential times main current"),
         ("side reaction", "loss", gains[SIDE_HEAT], "side current times voltage, less energy of the gas"),
         ("reversible", "loss", gains[REVERSIBLE_HEAT], "main current times T dU/dT"),

@@ -108,9 +108,7 @@ def resolve(mode: Mode, capacity_ah: float) -> Protocol:
     for turn in range(mode.repeat):
         for place, group in enumerate(once):
             number = turn * len(once) + place
-            courses += [
-                Course(c.name, number, c.waveform, c.segments, c.limit_v, c.until, c.edge_soc) for c in group
-            ]
+            courses += [Course(c.name, number, c.waveform, c.segments, c.limit_v, c.until, c.edge_soc) for c in group]
     stop = _closed(resolver.optional(mode.stop, "stop"), "stop")
     return Protocol(tuple(courses), stop)
 

@@ -28,7 +28,9 @@ class Phase(Record):
         found = [key for key in data if key not in others]
         unknown = [key for key in found if key not in WAVEFORMS]
         if unknown:
-            raise ValueError(f"unknown waveform or key {unknown[0]!r}; {best_matches(unknown[0], {*WAVEFORMS, *others})}")
+            raise ValueError(
+                f"unknown waveform or key {unknown[0]!r}; {best_matches(unknown[0], {*WAVEFORMS, *others})}"
+            )
         if len(found) != 1:
             raise ValueError(f"a phase has one waveform, found {found or 'none'}; known are: {', '.join(WAVEFORMS)}")
         waveform = WAVEFORMS[found[0]].model_validate(data[found[0]] or {})

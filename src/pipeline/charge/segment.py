@@ -70,9 +70,7 @@ def new_run(cell: Cell) -> Run:
     k = cell.relaxations
     weights = new_weights(_SLOTS, k)
     weights.length_s[:] = -1.0
-    return Run(
-        np.zeros(RELAXATIONS + k), new_work(k), weights, np.zeros(COUNTS, dtype=np.int64), np.zeros((3, 3, 8))
-    )
+    return Run(np.zeros(RELAXATIONS + k), new_work(k), weights, np.zeros(COUNTS, dtype=np.int64), np.zeros((3, 3, 8)))
 
 
 @kernel

@@ -65,9 +65,7 @@ class Outcome:
     end_s: float
 
 
-def simulate(
-    battery: Battery, mode: Mode, supply: Supply, settings: ChargeSettings, engine: EngineSettings
-) -> Charge:
+def simulate(battery: Battery, mode: Mode, supply: Supply, settings: ChargeSettings, engine: EngineSettings) -> Charge:
     """Charge a battery.
 
     Arguments
@@ -90,9 +88,7 @@ def simulate(
     )
 
 
-def run(
-    battery: Battery, mode: Mode, supply: Supply, settings: ChargeSettings, engine: EngineSettings
-) -> Outcome:
+def run(battery: Battery, mode: Mode, supply: Supply, settings: ChargeSettings, engine: EngineSettings) -> Outcome:
     """Run the engine and return its arrays; arguments and errors are those of `simulate`."""
     check(battery, mode, settings)
     cell = compile_cell(battery)

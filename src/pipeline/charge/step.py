@@ -48,7 +48,9 @@ DEPTH, TEMPERATURE, RELAXATIONS = range(3)
 ) = range(10)
 
 # Rows of the quantities at a moment: columns are the three nodes and, fourth, the start of the step.
-MAIN, SIDE, TOTAL, X, T, NODE_V, SLOW_V, OHM, ETA, ENTROPY, REVERSIBLE, HEAT, TERMINAL_V, SIDE_SLOPE, QUANTITIES = range(15)
+MAIN, SIDE, TOTAL, X, T, NODE_V, SLOW_V, OHM, ETA, ENTROPY, REVERSIBLE, HEAT, TERMINAL_V, SIDE_SLOPE, QUANTITIES = (
+    range(15)
+)
 START = 3
 _ITERATIONS = 14
 

@@ -16,7 +16,7 @@ Kind = Literal["published", "data_sheet", "derived", "estimate", "calibrated", "
 
 
 class Source(Record):
-    """Where a value comes from; `to` names the published statement a value was calibrated to."""
+    """Where a value comes from; `to` names the published statement that it, or the model it enters, was fitted to."""
 
     kind: Kind
     ref: str = ""

@@ -6,13 +6,12 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-from pipeline.report.data import ModeLabel, ReportData
 from pipeline.report.draw import draw
 from pipeline.report.records import FigureCard
+from pipeline.steps.labels import report_data
 
 
 def run(settings: Mapping[str, Any], inputs: Mapping[str, Path], output: Path) -> None:
     """Draw the figure."""
-    modes = {name: ModeLabel(mode["title"], mode["knobs"]) for name, mode in settings["modes"].items()}
-    data = ReportData(inputs, modes, settings["comparisons"])
+    data = report_data(settings, inputs)
     draw(settings["id"], FigureCard.model_validate(settings["card"]), data, output)

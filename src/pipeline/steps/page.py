@@ -9,18 +9,18 @@ from typing import Any
 from pipeline import schemas, tables
 from pipeline.digest import PROJECT
 from pipeline.report import tables as report_tables
-from pipeline.report.data import ModeLabel, ReportData
+from pipeline.report.data import ReportData
 from pipeline.report.pages import PageContent, PageFigure, Paper, render
 from pipeline.report.parameters import parameters
 from pipeline.report.tables import ReportTable
+from pipeline.steps.labels import report_data
 
 REFERENCE = PROJECT / "conf" / "published" / "reference"
 
 
 def run(settings: Mapping[str, Any], inputs: Mapping[str, Path], output: Path) -> None:
     """Write `index.html` and `tables/*.csv`."""
-    modes = {name: ModeLabel(mode["title"], mode["knobs"]) for name, mode in settings["modes"].items()}
-    data = ReportData(inputs, modes, settings["comparisons"])
+    data = report_data(settings, inputs)
     verdicts = _verdicts(inputs)
     shown = _tables(data, inputs)
     listed = parameters(settings["parameters"])
@@ -30,7 +30,7 @@ def run(settings: Mapping[str, Any], inputs: Mapping[str, Path], output: Path) -
         subtitle=f"{study['question']} {settings['battery']}.",
         paper=Paper(study["paper"], study["doi"]),
         verdicts=verdicts,
-        figures=[_figure(name, card, inputs[f"figure/{name}"]) for name, card in settings["figures"].items()],
+        figures=[_figure(card, inputs[f"figure/{card['name']}"]) for card in settings["figures"]],
         tables=shown,
         parameters=listed,
         command=settings["command"],
@@ -55,6 +55,7 @@ def _verdicts(inputs: Mapping[str, Path]) -> dict[str, Any]:
     return tables.read(schemas.VERDICTS, inputs["verdicts"] / "verdicts.parquet")
 
 
-def _figure(name: str, card: Mapping[str, Any], folder: Path) -> PageFigure:
+def _figure(card: Mapping[str, Any], folder: Path) -> PageFigure:
+    name = card["name"]
     svg = (folder / f"{name}.svg").read_text(encoding="utf-8")
     return PageFigure(name, card["paper"], card["title"], card["caption"], svg, (folder / f"{name}.png").read_bytes())

@@ -17,7 +17,10 @@ REFERENCE = PROJECT / "conf" / "published" / "reference"
 
 def run(settings: Mapping[str, Any], inputs: Mapping[str, Path], output: Path) -> None:
     """Judge every statement."""
-    statements = {name: Statement.model_validate(data) for name, data in settings["statements"].items()}
+    statements = {
+        data["name"]: Statement.model_validate({key: value for key, value in data.items() if key != "name"})
+        for data in settings["statements"]
+    }
     tables_of_papers = {f"reference/{path.stem}": path for path in REFERENCE.glob("*.csv")}
     verdicts = evaluate(statements, Lookup({**inputs, **tables_of_papers}), set(settings["calibrated"]))
     tables.write(schemas.VERDICTS, verdicts, output / "verdicts.parquet")
