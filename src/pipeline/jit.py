@@ -41,7 +41,14 @@ def jit(function: F) -> F:
 
 
 def kernel(function: F) -> F:
-    """Compile like `jit` a function that allocates nothing: without the counting of references, which costs more than
-    the arithmetic of a small kernel."""
-    options = {"cache": True, "fastmath": False, "error_model": "numpy", "_nrt": False}
+    """Compile a function that allocates nothing.
+
+    Without the counting of references, which would cost more than the arithmetic of a small kernel.
+    """
+    return numba.njit(cache=True, fastmath=False, error_model="numpy", _nrt=False)(function)  # type: ignore[no-any-return]
+
+
+def inlined(function: F) -> F:
+    """Compile like `kernel`, into its callers: for the innermost functions, whose call would cost more than they do."""
+    options = {"cache": True, "fastmath": False, "error_model": "numpy", "_nrt": False, "forceinline": True}
     return numba.njit(**options)(function)  # type: ignore[no-any-return]

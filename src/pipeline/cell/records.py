@@ -79,7 +79,7 @@ class SideReaction(Record):
     current_a: float = Field(gt=0, description="current at the reference voltage and temperature [A]")
     reference_voltage_v: float = Field(gt=0, description="voltage per cell at which it takes current_a [V]")
     voltage_scale_v: float | None = Field(None, gt=0, description="V_s, rise in voltage per factor e [V]")
-    thermal_voltages: float | None = Field(None, gt=0, description="V_s in units of R T / F, instead of a fixed V_s [1]")
+    thermal_voltages: float | None = Field(None, gt=0, description="V_s in units of R T / F, instead of fixed [1]")
     temperature_coefficient_per_k: float = Field(0.0, description="k(T) per kelvin above the reference [1/K]")
     activation_energy_j_mol: float = Field(0.0, ge=0, description="Arrhenius part of k(T) [J/mol]")
     reference_temperature_c: float = Field(25.0, gt=-100, description="temperature at which k(T) is zero [degC]")

@@ -30,7 +30,7 @@ def pair_stores(cell: Cell, state: NDArray[np.float64]) -> list[float]:
     for k in range(cell.pairs + cell.acceptance):
         x = float(state[DEPTH])
         acceptance = k == cell.pairs
-        resistance = cell.acceptance_ohm / x if acceptance else value_and_slope(cell.curves, FIRST_PAIR + k, x)[0]
+        resistance = cell.acceptance_ohm / x if acceptance else value_and_slope(cell, FIRST_PAIR + k, x)[0]
         voltage = float(state[RELAXATIONS + k])
         stores.append(cell.cells * 0.5 * cell.tau_s[k] * voltage * voltage / resistance if resistance > 0 else 0.0)
     return stores
@@ -40,7 +40,7 @@ def gas_store(cell: Cell, state: NDArray[np.float64]) -> float:
     """Return the energy of gas not yet recombined, for the whole battery [J]."""
     if not cell.recombination:
         return 0.0
-    return float(cell.cells * cell.gas_v * cell.tau_s[-1] * state[-1])
+    return float(cell.cells * cell.gas_v * cell.tau_s[cell.relaxations - 1] * state[RELAXATIONS + cell.relaxations - 1])
 
 
 def balance(
@@ -73,10 +73,7 @@ def balance(
         *((f"pair {n} store", "stored", e, "change of C v^2 / 2") for n, e in zip(names, stored, strict=True)),
         ("gas", "stored", gas, "change of the energy of gas not yet recombined"),
         ("series resistance", "loss", gains[SERIES_HEAT], "R0 I^2"),
-        *(
-            (f"pair {name}", "loss", gains[PAIR_HEAT + k], "v^2 / R - (v^2 / 2) dC/dt")
-            for k, name in enumerate(names)
-        ),
+        *((f"pair {name}", "loss", gains[PAIR_HEAT + k], "v^2 / R - (v^2 / 2) dC/dt") for k, name in enumerate(names)),
         ("charge transfer", "loss", gains[TRANSFER_HEAT], "overpotential times main current"),
         ("side reaction", "loss", gains[SIDE_HEAT], "side current times voltage, less energy of the gas"),
         ("reversible", "loss", gains[REVERSIBLE_HEAT], "main current times T dU/dT"),

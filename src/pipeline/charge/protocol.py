@@ -9,7 +9,7 @@ from typing import Any
 from pipeline.charge.records import Mode, Phase
 from pipeline.charge.waveforms import Segment, Staged, Until, Waveform
 from pipeline.errors import UserError, best_matches
-from pipeline.record import Number, Reference, Record
+from pipeline.record import Number, Record, Reference
 
 C_RATE = "_c_rate"
 UNTIL = ("elapsed_s", "soc", "voltage_v", "current_a", "temperature_c")
@@ -108,9 +108,7 @@ def resolve(mode: Mode, capacity_ah: float) -> Protocol:
     for turn in range(mode.repeat):
         for place, group in enumerate(once):
             number = turn * len(once) + place
-            courses += [
-                Course(c.name, number, c.waveform, c.segments, c.limit_v, c.until, c.edge_soc) for c in group
-            ]
+            courses += [Course(c.name, number, c.waveform, c.segments, c.limit_v, c.until, c.edge_soc) for c in group]
     stop = _closed(resolver.optional(mode.stop, "stop"), "stop")
     return Protocol(tuple(courses), stop)
 

@@ -4,8 +4,14 @@ from __future__ import annotations
 
 from typing import Any, Literal, Self
 
-from pydantic import ConfigDict, Field, ModelWrapValidatorHandler, SerializerFunctionWrapHandler
-from pydantic import model_serializer, model_validator
+from pydantic import (
+    ConfigDict,
+    Field,
+    ModelWrapValidatorHandler,
+    SerializerFunctionWrapHandler,
+    model_serializer,
+    model_validator,
+)
 
 from pipeline.charge.waveforms import WAVEFORMS, Limit, Until, Waveform
 from pipeline.errors import best_matches
@@ -28,7 +34,9 @@ class Phase(Record):
         found = [key for key in data if key not in others]
         unknown = [key for key in found if key not in WAVEFORMS]
         if unknown:
-            raise ValueError(f"unknown waveform or key {unknown[0]!r}; {best_matches(unknown[0], {*WAVEFORMS, *others})}")
+            raise ValueError(
+                f"unknown waveform or key {unknown[0]!r}; {best_matches(unknown[0], {*WAVEFORMS, *others})}"
+            )
         if len(found) != 1:
             raise ValueError(f"a phase has one waveform, found {found or 'none'}; known are: {', '.join(WAVEFORMS)}")
         waveform = WAVEFORMS[found[0]].model_validate(data[found[0]] or {})
