@@ -34,8 +34,8 @@ class Root(Record):
 class Tabulated(Record):
     """Values on a grid of SOC, joined by monotone cubics (PCHIP)."""
 
-    soc: list[float] = Field(min_length=3, description="grid from 0 to 1, rising [1]")
-    value: list[float] = Field(min_length=3, description="value at each grid point")
+    soc: list[float] = Field(min_length=3, max_length=64, description="grid from 0 to 1, rising [1]")
+    value: list[float] = Field(min_length=3, max_length=64, description="value at each grid point")
     scale: float = Field(1.0, description="factor of every value [1]")
 
     @model_validator(mode="after")
@@ -116,7 +116,7 @@ class Battery(Record):
         None, gt=0, description="measured enthalpy per charge, used for heat instead of U - T dU/dT [V]"
     )
     series_resistance_ohm: Curve = Field(description="series resistance per cell [ohm]")
-    pairs: dict[str, Pair] = Field(default_factory=dict, description="pairs by name")
+    pairs: dict[str, Pair] = Field(default_factory=dict, max_length=6, description="pairs by name")
     acceptance: Acceptance | None = Field(None, description="acceptance pair; none where absent")
     charge_transfer: ChargeTransfer | None = Field(None, description="charge transfer; none where absent")
     side_reaction: SideReaction | None = Field(None, description="side reaction; none where absent")

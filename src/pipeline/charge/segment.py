@@ -206,11 +206,11 @@ def locate(
     for attempt in range(200):
         if below >= 0.0 or (high - low <= 1e-12 * (1e-3 + high) and attempt > 0):
             break
-        trial = low + (high - low) * above / (above - below)
+        share = above / (above - below)
         if attempt % 4 == 3:
-            trial = 0.5 * (low + high) if low > 0.01 * high else 0.03 * high + low
-        if not low < trial < high:
-            break
+            share = 0.5 if low > 0.01 * high else 0.03
+        # A little off both ends, so that a root found from one side is enclosed by the next trial.
+        trial = low + (high - low) * min(max(share, 1e-4), 1.0 - 1e-4)
         set_guess(run)
         if not try_step(cell, run, demand, ambient_k, trial):
             return high, FAILED
