@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 import math
-from typing import NamedTuple
+from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
-from pipeline.cell.curves import Curves, compile_curves, integral
+from pipeline.cell.curves import CURVE_FIELDS, compile_curves, integral
 from pipeline.cell.records import Battery, SideReaction
-from pipeline.jit import kernel
+from pipeline.jit import inlined, kernel
 
 GAS_CONSTANT = 8.314462618
 FARADAY = 96485.33212
@@ -22,43 +21,51 @@ ZERO_CELSIUS_K = 273.15
 OPEN_CIRCUIT, ENTROPIC, SERIES, EXCHANGE, FIRST_PAIR = range(5)
 
 
-class Cell(NamedTuple):
-    """One cell of the battery, scaled; `relaxations` counts pairs, acceptance pair and recombination, in that order."""
+MOST_RELAXATIONS = 8
+CELL = np.dtype(
+    [
+        ("cells", np.float64),
+        ("charge_as", np.float64),
+        ("pairs", np.int64),
+        ("acceptance", np.int64),
+        ("recombination", np.int64),
+        ("relaxations", np.int64),
+        ("tau_s", np.float64, (MOST_RELAXATIONS,)),
+        ("acceptance_ohm", np.float64),
+        ("transfer", np.int64),
+        ("side", np.int64),
+        ("side_a", np.float64),
+        ("side_reference_v", np.float64),
+        ("side_scale_v", np.float64),
+        ("side_scale_v_per_k", np.float64),
+        ("side_linear_per_k", np.float64),
+        ("side_arrhenius_k", np.float64),
+        ("side_reference_k", np.float64),
+        ("gas_v", np.float64),
+        ("thermoneutral", np.int64),
+        ("thermoneutral_v", np.float64),
+        ("heat_capacity_j_k", np.float64),
+        ("thermal_resistance_k_w", np.float64),
+        *CURVE_FIELDS,
+    ],
+    align=True,
+)
+"""One cell of the battery, scaled; `relaxations` counts pairs, acceptance pair and recombination, in that order."""
 
-    cells: float
-    charge_as: float
-    curves: Curves
-    pairs: int
-    acceptance: int
-    recombination: int
-    relaxations: int
-    tau_s: NDArray[np.float64]
-    acceptance_ohm: float
-    transfer: int
-    side: int
-    side_a: float
-    side_reference_v: float
-    side_scale_v: float
-    side_scale_v_per_k: float
-    side_linear_per_k: float
-    side_arrhenius_k: float
-    side_reference_k: float
-    gas_v: float
-    thermoneutral: int
-    thermoneutral_v: float
-    heat_capacity_j_k: float
-    thermal_resistance_k_w: float
+Cell = Any
 
 
 def compile_cell(battery: Battery) -> Cell:
-    """Return the kernel's form of a battery, with `scaled_to_capacity_ah` applied.
+    """Return the kernel's form of a battery, a record of `CELL`, with `scaled_to_capacity_ah` applied.
 
     `k` cells in parallel multiply charge, exchange and side current and heat capacity by k and divide every resistance.
     """
     k = battery.scale
-    transfer = battery.charge_transfer
+    cell = np.zeros(1, dtype=CELL).view(np.recarray)[0]
+    transfer, acceptance, side = battery.charge_transfer, battery.acceptance, battery.side_reaction
     pairs = list(battery.pairs.values())
-    curves = compile_curves(
+    compile_curves(
+        cell,
         [
             battery.open_circuit_voltage_v,
             battery.entropic_coefficient_v_k,
@@ -68,61 +75,38 @@ def compile_cell(battery: Battery) -> Cell:
         ],
         [1.0, 1.0, 1.0 / k, k, *(1.0 / k for _ in pairs)],
     )
-    side = battery.side_reaction
     tau = [pair.time_constant_s for pair in pairs]
-    if battery.acceptance:
-        tau.append(battery.acceptance.time_constant_s)
-    lagging = side is not None and side.recombination_time_constant_s > 0
-    if side is not None and lagging:
-        tau.append(side.recombination_time_constant_s)
-    return Cell(
-        cells=float(battery.cells_in_series),
-        charge_as=3600.0 * battery.capacity_ah * k,
-        curves=curves,
-        pairs=len(pairs),
-        acceptance=int(battery.acceptance is not None),
-        recombination=int(lagging),
-        relaxations=len(tau),
-        tau_s=np.array(tau, dtype=np.float64),
-        acceptance_ohm=battery.acceptance.resistance_ohm / k if battery.acceptance else 0.0,
-        transfer=int(transfer is not None),
-        **_side(side, k),
-        thermoneutral=int(battery.thermoneutral_voltage_v is not None),
-        thermoneutral_v=battery.thermoneutral_voltage_v or 0.0,
-        heat_capacity_j_k=battery.thermal.heat_capacity_j_k * k,
-        thermal_resistance_k_w=battery.thermal.resistance_k_w / k,
-    )
+    if acceptance:
+        tau.append(acceptance.time_constant_s)
+        cell["acceptance"], cell["acceptance_ohm"] = 1, acceptance.resistance_ohm / k
+    if side:
+        _compile_side(cell, side, k)
+        if cell["recombination"]:
+            tau.append(side.recombination_time_constant_s)
+    cell["cells"], cell["charge_as"] = battery.cells_in_series, 3600.0 * battery.capacity_ah * k
+    cell["pairs"], cell["relaxations"], cell["transfer"] = len(pairs), len(tau), transfer is not None
+    cell["tau_s"][:] = 1.0
+    cell["tau_s"][: len(tau)] = tau
+    if battery.thermoneutral_voltage_v is not None:
+        cell["thermoneutral"], cell["thermoneutral_v"] = 1, battery.thermoneutral_voltage_v
+    cell["heat_capacity_j_k"] = battery.thermal.heat_capacity_j_k * k
+    cell["thermal_resistance_k_w"] = battery.thermal.resistance_k_w / k
+    return cell
 
 
-def _side(side: SideReaction | None, k: float) -> dict[str, float]:
-    names = (
-        "side",
-        "side_a",
-        "side_reference_v",
-        "side_scale_v",
-        "side_scale_v_per_k",
-        "side_linear_per_k",
-        "side_arrhenius_k",
-        "side_reference_k",
-        "gas_v",
-    )
-    if side is None:
-        return dict.fromkeys(names, 0.0) | {"side": 0, "side_scale_v": 1.0, "side_reference_k": REFERENCE_K}
-    values = (
-        1,
-        k * side.current_a,
-        side.reference_voltage_v,
-        side.voltage_scale_v or 0.0,
-        THERMAL_V_PER_K * (side.thermal_voltages or 0.0),
-        side.temperature_coefficient_per_k,
-        side.activation_energy_j_mol / GAS_CONSTANT,
-        side.reference_temperature_c + ZERO_CELSIUS_K,
-        side.gas_voltage_v if side.recombination_time_constant_s > 0 else 0.0,
-    )
-    return dict(zip(names, values, strict=True))
+def _compile_side(cell: Cell, side: SideReaction, k: float) -> None:
+    cell["side"], cell["side_a"] = 1, k * side.current_a
+    cell["side_reference_v"] = side.reference_voltage_v
+    cell["side_scale_v"] = side.voltage_scale_v or 0.0
+    cell["side_scale_v_per_k"] = THERMAL_V_PER_K * (side.thermal_voltages or 0.0)
+    cell["side_linear_per_k"] = side.temperature_coefficient_per_k
+    cell["side_arrhenius_k"] = side.activation_energy_j_mol / GAS_CONSTANT
+    cell["side_reference_k"] = side.reference_temperature_c + ZERO_CELSIUS_K
+    if side.recombination_time_constant_s > 0:
+        cell["recombination"], cell["gas_v"] = 1, side.gas_voltage_v
 
 
-@kernel
+@inlined
 def side_current(cell: Cell, node_v: float, temperature_k: float) -> tuple[float, float]:
     """Return the side current of a cell [A] and its slope with voltage [A/V].
 
@@ -146,5 +130,5 @@ def enthalpy(cell: Cell, x: float) -> float:
     """
     if cell.thermoneutral == 1:
         return -cell.charge_as * cell.thermoneutral_v * x
-    free = integral(cell.curves, OPEN_CIRCUIT, x)
-    return cell.charge_as * (free - REFERENCE_K * integral(cell.curves, ENTROPIC, x))
+    free = integral(cell, OPEN_CIRCUIT, x)
+    return cell.charge_as * (free - REFERENCE_K * integral(cell, ENTROPIC, x))

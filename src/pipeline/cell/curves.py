@@ -4,91 +4,85 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from typing import NamedTuple
+from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from pipeline.cell.records import Curve, Logarithm, Polynomial, Root
-from pipeline.jit import kernel
+from pipeline.jit import inlined, kernel
 
 CONSTANT, POLYNOMIAL, LOGARITHM, ROOT, TABLE = range(5)
 
 
-class Curves(NamedTuple):
-    """A bank of curves; all of them functions of x = 1 - SOC."""
+MOST_CURVES, MOST_PIECES = 10, 64
+CURVE_FIELDS = [
+    ("kind", np.int64, (MOST_CURVES,)),
+    ("pieces", np.int64, (MOST_CURVES,)),
+    ("parameters", np.float64, (MOST_CURVES, 4)),
+    ("knots", np.float64, (MOST_CURVES, MOST_PIECES)),
+    ("coefficients", np.float64, (MOST_CURVES, MOST_PIECES, 5)),
+]
+"""Fields of a compiled bank of curves, all of them functions of x = 1 - SOC."""
 
-    kind: NDArray[np.int64]
-    parameters: NDArray[np.float64]
-    knots: NDArray[np.float64]
-    coefficients: NDArray[np.float64]
 
-
-def compile_curves(curves: Sequence[Curve], factors: Sequence[float]) -> Curves:
-    """Put curves into their compiled form.
+def compile_curves(bank: Any, curves: Sequence[Curve], factors: Sequence[float]) -> None:
+    """Write curves into a bank.
 
     Arguments
     ---------
+    bank : a record with `CURVE_FIELDS` among its fields.
     curves : the curves, in the order of their index.
     factors : factor of each, (n,).
     """
-    sizes = [len(curve.soc) for curve in curves if hasattr(curve, "soc")]
-    count, points = len(curves), max(sizes, default=1)
-    bank = Curves(
-        np.zeros(count, dtype=np.int64),
-        np.zeros((count, 4)),
-        np.full((count, points), np.inf),
-        np.zeros((count, points, 5)),
-    )
     for row, (curve, factor) in enumerate(zip(curves, factors, strict=True)):
         _compile(bank, row, curve, factor)
-    return bank
 
 
-def _compile(bank: Curves, row: int, curve: Curve, factor: float) -> None:
-    parameters = bank.parameters[row]
+def _compile(bank: Any, row: int, curve: Curve, factor: float) -> None:
+    parameters = bank["parameters"][row]
     if isinstance(curve, float | int):
+        bank["kind"][row] = CONSTANT
         parameters[0] = factor * curve
     elif isinstance(curve, Polynomial):
-        bank.kind[row] = POLYNOMIAL if len(curve.polynomial) > 1 else CONSTANT
+        bank["kind"][row] = POLYNOMIAL if len(curve.polynomial) > 1 else CONSTANT
         parameters[: len(curve.polynomial)] = factor * np.array(curve.polynomial)
     elif isinstance(curve, Logarithm):
-        bank.kind[row] = LOGARITHM
+        bank["kind"][row] = LOGARITHM
         parameters[:] = factor * curve.constant, factor * curve.factor, curve.soc_offset, curve.depth_offset
     elif isinstance(curve, Root):
-        bank.kind[row] = ROOT
+        bank["kind"][row] = ROOT
         parameters[:2] = factor * curve.factor, curve.soc_offset
     else:
         from scipy.interpolate import PchipInterpolator
 
-        bank.kind[row] = TABLE
+        bank["kind"][row] = TABLE
         depth = 1.0 - np.array(curve.soc[::-1])
         cubic = PchipInterpolator(depth, factor * curve.scale * np.array(curve.value[::-1]))
         pieces = len(depth) - 1
-        bank.knots[row, :pieces] = depth[:-1]
-        bank.coefficients[row, :pieces, :4] = cubic.c[::-1].T
-        bank.coefficients[row, :pieces, 4] = cubic.antiderivative()(depth[:-1])
-        parameters[0] = pieces
+        bank["pieces"][row] = pieces
+        bank["knots"][row, :pieces] = depth[:-1]
+        bank["coefficients"][row, :pieces, :4] = cubic.c[::-1].T
+        bank["coefficients"][row, :pieces, 4] = cubic.antiderivative()(depth[:-1])
 
 
 @kernel
-def piece_of(curves: Curves, row: int, x: float) -> int:
+def piece_of(bank: Any, row: int, x: float) -> int:
     """Return the piece of a table that holds x; the outer pieces reach beyond their ends."""
-    low, high = 0, int(curves.parameters[row, 0]) - 1
+    low, high = 0, bank.pieces[row] - 1
     while low < high:
         middle = (low + high + 1) // 2
-        if curves.knots[row, middle] <= x:
+        if bank.knots[row, middle] <= x:
             low = middle
         else:
             high = middle - 1
     return low
 
 
-@kernel
-def value_and_slope(curves: Curves, row: int, x: float) -> tuple[float, float]:
+@inlined
+def value_and_slope(bank: Any, row: int, x: float) -> tuple[float, float]:
     """Return a curve's value and its derivative with respect to x = 1 - SOC."""
-    kind = curves.kind[row]
-    p = curves.parameters[row]
+    kind = bank.kind[row]
+    p = bank.parameters[row]
     if kind == CONSTANT:
         return p[0], 0.0
     if kind == POLYNOMIAL:
@@ -100,17 +94,17 @@ def value_and_slope(curves: Curves, row: int, x: float) -> tuple[float, float]:
         above = 1.0 - x + p[1]
         root = math.sqrt(x * above)
         return p[0] * root, 0.5 * p[0] * (above - x) / root
-    piece = piece_of(curves, row, x)
-    c = curves.coefficients[row, piece]
-    d = x - curves.knots[row, piece]
+    piece = piece_of(bank, row, x)
+    c = bank.coefficients[row, piece]
+    d = x - bank.knots[row, piece]
     return c[0] + d * (c[1] + d * (c[2] + d * c[3])), c[1] + d * (2.0 * c[2] + 3.0 * d * c[3])
 
 
 @kernel
-def integral(curves: Curves, row: int, x: float) -> float:
+def integral(bank: Any, row: int, x: float) -> float:
     """Return the integral of a curve over SOC, up to a constant; a root has none here and gives NaN."""
-    kind = curves.kind[row]
-    p = curves.parameters[row]
+    kind = bank.kind[row]
+    p = bank.parameters[row]
     if kind == CONSTANT:
         return -p[0] * x
     if kind == POLYNOMIAL:
@@ -121,7 +115,7 @@ def integral(curves: Curves, row: int, x: float) -> float:
         return -p[0] * x + p[1] * (above * math.log(above) + lower)
     if kind == ROOT:
         return math.nan
-    piece = piece_of(curves, row, x)
-    c = curves.coefficients[row, piece]
-    d = x - curves.knots[row, piece]
+    piece = piece_of(bank, row, x)
+    c = bank.coefficients[row, piece]
+    d = x - bank.knots[row, piece]
     return -(c[4] + d * (c[0] + d * (c[1] / 2.0 + d * (c[2] / 3.0 + d * c[3] / 4.0))))

@@ -34,8 +34,8 @@ class Root(Record):
 class Tabulated(Record):
     """Values on a grid of SOC, joined by monotone cubics (PCHIP)."""
 
-    soc: list[float] = Field(min_length=3, description="grid from 0 to 1, rising [1]")
-    value: list[float] = Field(min_length=3, description="value at each grid point")
+    soc: list[float] = Field(min_length=3, max_length=64, description="grid from 0 to 1, rising [1]")
+    value: list[float] = Field(min_length=3, max_length=64, description="value at each grid point")
     scale: float = Field(1.0, description="factor of every value [1]")
 
     @model_validator(mode="after")
@@ -79,9 +79,7 @@ class SideReaction(Record):
     current_a: float = Field(gt=0, description="current at the reference voltage and temperature [A]")
     reference_voltage_v: float = Field(gt=0, description="voltage per cell at which it takes current_a [V]")
     voltage_scale_v: float | None = Field(None, gt=0, description="V_s, rise in voltage per factor e [V]")
-    thermal_voltages: float | None = Field(
-        None, gt=0, description="V_s in units of R T / F, instead of a fixed V_s [1]"
-    )
+    thermal_voltages: float | None = Field(None, gt=0, description="V_s in units of R T / F, instead of fixed [1]")
     temperature_coefficient_per_k: float = Field(0.0, description="k(T) per kelvin above the reference [1/K]")
     activation_energy_j_mol: float = Field(0.0, ge=0, description="Arrhenius part of k(T) [J/mol]")
     reference_temperature_c: float = Field(25.0, gt=-100, description="temperature at which k(T) is zero [degC]")
@@ -118,7 +116,7 @@ class Battery(Record):
         None, gt=0, description="measured enthalpy per charge, used for heat instead of U - T dU/dT [V]"
     )
     series_resistance_ohm: Curve = Field(description="series resistance per cell [ohm]")
-    pairs: dict[str, Pair] = Field(default_factory=dict, description="pairs by name")
+    pairs: dict[str, Pair] = Field(default_factory=dict, max_length=6, description="pairs by name")
     acceptance: Acceptance | None = Field(None, description="acceptance pair; none where absent")
     charge_transfer: ChargeTransfer | None = Field(None, description="charge transfer; none where absent")
     side_reaction: SideReaction | None = Field(None, description="side reaction; none where absent")

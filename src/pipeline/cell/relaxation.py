@@ -7,11 +7,12 @@ Differential Equations II, table IV.5.6). With z = h / tau everything follows fr
 from __future__ import annotations
 
 import math
-from typing import NamedTuple
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from pipeline.cell.circuit import MOST_RELAXATIONS
 from pipeline.jit import kernel
 
 _ROOT = math.sqrt(6.0)
@@ -28,31 +29,24 @@ _SERIES_BELOW = 3.0
 PHI = 7
 
 
-class Weights(NamedTuple):
-    """Weights of several step lengths, a slot each.
+MOST_SLOTS = 24
+WEIGHT_FIELDS = [
+    ("length_s", np.float64, (MOST_SLOTS,)),
+    ("decay", np.float64, (MOST_SLOTS, MOST_RELAXATIONS, 3)),
+    ("node", np.float64, (MOST_SLOTS, MOST_RELAXATIONS, 3, 3)),
+    ("start_moment", np.float64, (MOST_SLOTS, MOST_RELAXATIONS, 3)),
+    ("moment", np.float64, (MOST_SLOTS, MOST_RELAXATIONS, 3, 3)),
+    ("phi", np.float64, (8,)),
+    ("monomial", np.float64, (3, 3)),
+    ("row", np.float64, (3,)),
+]
+"""Fields of a record that holds the weights of several step lengths, a slot each.
 
-    decay[slot, k, j] : what is left of the starting value at node j.
-    node[slot, k, j, l] : effect of the forcing at node l on the value at node j.
-    start_moment[slot, k, l] : integral of the starting value's remains times basis function l, over the step [s].
-    moment[slot, k, l, m] : integral of the response to forcing m times basis function l, over the step [s].
-    """
-
-    length_s: NDArray[np.float64]
-    decay: NDArray[np.float64]
-    node: NDArray[np.float64]
-    start_moment: NDArray[np.float64]
-    moment: NDArray[np.float64]
-
-
-def new_weights(slots: int, relaxations: int) -> Weights:
-    """Return empty weights for a number of step lengths and relaxations."""
-    return Weights(
-        np.zeros(slots),
-        np.zeros((slots, relaxations, 3)),
-        np.zeros((slots, relaxations, 3, 3)),
-        np.zeros((slots, relaxations, 3)),
-        np.zeros((slots, relaxations, 3, 3)),
-    )
+decay[slot, k, j] : what is left of the starting value at node j.
+node[slot, k, j, l] : effect of the forcing at node l on the value at node j.
+start_moment[slot, k, l] : integral of the starting value's remains times basis function l, over the step [s].
+moment[slot, k, l, m] : integral of the response to forcing m times basis function l, over the step [s].
+"""
 
 
 @kernel
@@ -95,13 +89,11 @@ def response(z: float, theta: float, phi: NDArray[np.float64], out: NDArray[np.f
 
 
 @kernel
-def fill(
-    weights: Weights, slot: int, length_s: float, tau_s: NDArray[np.float64], scratch: NDArray[np.float64]
-) -> None:
-    """Compute the weights of one step length; `scratch` holds at least 20 numbers."""
+def fill(weights: Any, slot: int, length_s: float, tau_s: NDArray[np.float64], relaxations: int) -> None:
+    """Compute the weights of one step length, in a record with `WEIGHT_FIELDS`."""
     weights.length_s[slot] = length_s
-    phi, monomial, row = scratch[:PHI], scratch[PHI : PHI + 9], scratch[PHI + 9 : PHI + 12]
-    for k in range(len(tau_s)):
+    phi, monomial, row = weights.phi, weights.monomial, weights.row
+    for k in range(relaxations):
         z = length_s / tau_s[k]
         for j in range(3):
             weights.decay[slot, k, j] = response(z, NODES[j], phi, weights.node[slot, k, j])
@@ -109,21 +101,18 @@ def fill(
         # Integrals of theta^q times the response to theta^p, and of theta^q exp(-z theta).
         for p in range(3):
             scale = z * _FACTORIAL[p] * length_s
-            monomial[3 * p] = scale * phi[p + 2]
-            monomial[3 * p + 1] = scale * (phi[p + 2] - phi[p + 3])
-            monomial[3 * p + 2] = scale * (phi[p + 2] - 2.0 * phi[p + 3] + 2.0 * phi[p + 4])
+            monomial[p, 0] = scale * phi[p + 2]
+            monomial[p, 1] = scale * (phi[p + 2] - phi[p + 3])
+            monomial[p, 2] = scale * (phi[p + 2] - 2.0 * phi[p + 3] + 2.0 * phi[p + 4])
+        of_start = (phi[1], phi[1] - phi[2], phi[1] - 2.0 * phi[2] + 2.0 * phi[3])
         for node in range(3):
             weights.start_moment[slot, k, node] = length_s * (
-                LAGRANGE[0, node] * phi[1]
-                + LAGRANGE[1, node] * (phi[1] - phi[2])
-                + LAGRANGE[2, node] * (phi[1] - 2.0 * phi[2] + 2.0 * phi[3])
+                LAGRANGE[0, node] * of_start[0] + LAGRANGE[1, node] * of_start[1] + LAGRANGE[2, node] * of_start[2]
             )
             for p in range(3):
-                row[p] = (
-                    LAGRANGE[0, node] * monomial[3 * p]
-                    + LAGRANGE[1, node] * monomial[3 * p + 1]
-                    + LAGRANGE[2, node] * monomial[3 * p + 2]
-                )
+                row[p] = 0.0
+                for q in range(3):
+                    row[p] += LAGRANGE[q, node] * monomial[p, q]
             for other in range(3):
                 weights.moment[slot, k, node, other] = (
                     LAGRANGE[0, other] * row[0] + LAGRANGE[1, other] * row[1] + LAGRANGE[2, other] * row[2]

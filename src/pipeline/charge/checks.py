@@ -2,9 +2,137 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+
 from pipeline.cell.records import Battery
-from pipeline.charge.records import ChargeSettings, Mode
+from pipeline.cell.resting import resting_voltage_v
+from pipeline.charge.protocol import Resolver, parameters
+from pipeline.charge.records import ChargeSettings, Mode, Phase
+from pipeline.charge.waveforms import ConstantCurrent, ConstantVoltage, Staged, Until, Waveform
+from pipeline.errors import UserError, best_matches
+from pipeline.record import Number, Reference
+
+SHORTEST_SEGMENT_S = 1e-6
+MOST_SAMPLES = 20_000_000
+MOST_COURSES = 100_000
 
 
 def check(battery: Battery, mode: Mode, settings: ChargeSettings) -> None:
-    """Raise `UserError` where a mode cannot be run as it stands; a knob that is still a reference is left out."""
+    """Check that a mode can be run; a number that another step is still to find is taken to be right.
+
+    Raises
+    ------
+    UserError : with the key path below the mode, the value and what is allowed.
+    """
+    resolver = Resolver(mode, battery.capacity_in_use_ah)
+    for name, phase in mode.phases.items():
+        _check_phase(resolver, f"phases.{name}", phase, battery, settings)
+    stop = _numbers(resolver.optional(mode.stop, "stop"))
+    _check_until("stop", stop, settings)
+    _check_ends(mode, stop, settings)
+    unused = sorted(set(mode.knobs) - resolver.used)
+    if unused:
+        wanted = _known_names(mode)
+        raise UserError(f"{unused[0]}: no phase uses this knob; {best_matches(unused[0], wanted)}")
+
+
+def _check_phase(resolver: Resolver, where: str, phase: Phase, battery: Battery, settings: ChargeSettings) -> None:
+    waveform = phase.waveform
+    values = _numbers(parameters(resolver, waveform, where))
+    for name, value in values.items():
+        _check_value(f"{where}.{name}", name.split(".")[0], value)
+    if isinstance(waveform, Staged):
+        _check_stages(where, waveform)
+    if waveform.periodic:
+        _check_period(where, waveform, values)
+    limits = {f"{where}.limit.voltage_v": _numbers(resolver.optional(phase.limit, f"{where}.limit")).get("voltage_v")}
+    if waveform.holds_voltage:
+        limits[f"{where}.voltage_v"] = values.get("voltage_v")
+    resting = resting_voltage_v(battery, settings.initial_soc, settings.ambient_c)
+    for path, limit in limits.items():
+        if limit is not None and limit <= resting:
+            raise UserError(
+                f"{path}: {limit:g} V does not charge a battery that rests at {resting:.2f} V "
+                f"(SOC {settings.initial_soc:g}, {settings.ambient_c:g} degC); give more"
+            )
+    until = _numbers(resolver.optional(phase.until, f"{where}.until"))
+    _check_until(f"{where}.until", until, settings)
+    if phase.until.current_a is not None and not isinstance(waveform, ConstantVoltage | ConstantCurrent):
+        raise UserError(f"{where}.until.current_a: only a constant current or voltage can end by current")
+
+
+def _check_value(path: str, name: str, value: float) -> None:
+    if name.endswith("_share"):
+        lowest = 0.0 if name == "discharge_share" else 1e-9
+        if not lowest <= value <= 1.0:
+            raise UserError(f"{path}: {value:g} is not a share of the period; allowed is 0 to 1")
+    elif value < 0.0 or (value == 0.0 and name != "discharge_a"):
+        raise UserError(f"{path}: {value:g}; it must be greater than 0")
+
+
+def _check_stages(where: str, waveform: Staged) -> None:
+    edges = waveform.soc_edges
+    if len(edges) != len(waveform.currents_a):
+        raise UserError(f"{where}.soc_edges: {len(edges)} edges for {len(waveform.currents_a)} currents; give one each")
+    if any(after <= before for before, after in zip([0.0, *edges], edges, strict=False)) or edges[-1] >= 1.0:
+        raise UserError(f"{where}.soc_edges: {edges}; they must rise, between 0 and 1")
+
+
+def _check_period(where: str, waveform: Waveform, values: Mapping[str, float]) -> None:
+    shares = {name: value for name, value in values.items() if name.endswith("_share")}
+    if sum(shares.values()) > 1.0 + 1e-12:
+        said = " + ".join(f"{name} {value:g}" for name, value in shares.items())
+        raise UserError(f"{where}: {said} is more than the period; the shares may add up to 1")
+    wanted = {name for name, _ in waveform}
+    if wanted <= set(values):
+        for segment in waveform.segments(values):
+            if segment.length_s < SHORTEST_SEGMENT_S:
+                raise UserError(
+                    f"{where}.frequency_hz: at {values['frequency_hz']:g} Hz a segment lasts {segment.length_s:.3g} s; "
+                    f"allowed is {SHORTEST_SEGMENT_S:g} s or more"
+                )
+
+
+def _check_until(where: str, until: Mapping[str, float], settings: ChargeSettings) -> None:
+    for name, value in until.items():
+        if name != "temperature_c" and value <= 0.0:
+            raise UserError(f"{where}.{name}: {value:g}; it must be greater than 0")
+    if until.get("soc", 0.5) >= 1.0:
+        raise UserError(f"{where}.soc: {until['soc']:g} is never reached; give less than 1")
+    if until.get("temperature_c", 1e9) <= settings.ambient_c:
+        raise UserError(
+            f"{where}.temperature_c: {until['temperature_c']:g} degC is not above the ambient's {settings.ambient_c:g}"
+        )
+
+
+def _check_ends(mode: Mode, stop: Mapping[str, float], settings: ChargeSettings) -> None:
+    if mode.stop.elapsed_s is None:
+        raise UserError("stop.elapsed_s: missing; a charge needs a time at which it is given up")
+    if stop.get("soc", 1.0) <= settings.initial_soc:
+        raise UserError(f"stop.soc: {stop['soc']:g} is not above initial_soc {settings.initial_soc:g}")
+    if stop.get("elapsed_s", 0.0) / settings.sample_interval_s > MOST_SAMPLES:
+        raise UserError(
+            f"stop.elapsed_s: {stop['elapsed_s']:g} s at a sample every {settings.sample_interval_s:g} s "
+            f"makes more than {MOST_SAMPLES} rows"
+        )
+    if mode.repeat * len(mode.phases) > MOST_COURSES:
+        raise UserError(
+            f"repeat: {mode.repeat} times {len(mode.phases)} phases are too many; allowed are {MOST_COURSES}"
+        )
+    names = list(mode.phases)
+    followed = names if mode.repeat > 1 else names[:-1]
+    for name in followed:
+        phase = mode.phases[name]
+        if not isinstance(phase.waveform, Staged) and phase.until == Until():
+            raise UserError(f"phases.{name}.until: missing; without an end what follows is never reached")
+
+
+def _numbers(values: Mapping[str, Number]) -> dict[str, float]:
+    return {name: value for name, value in values.items() if not isinstance(value, Reference)}
+
+
+def _known_names(mode: Mode) -> set[str]:
+    names = {"title", "phases", "repeat", "stop"}
+    for phase in mode.phases.values():
+        names |= {name for name, _ in phase.waveform}
+    return names

@@ -11,25 +11,20 @@ from pipeline.cell.circuit import Cell
 from pipeline.charge.program import Program
 from pipeline.charge.record_keeping import Book, add_step, note_marks, reset_extremes, take_sample, write_windows
 from pipeline.charge.segment import (
-    CHANGES,
-    CONTROL,
     EDGE,
-    EDGES,
     ELAPSED,
     FAILED,
     LIMITS,
     NOTHING,
-    STEPS,
     TO_CURRENT,
     Demand,
-    Run,
     advance,
     choose_control,
     commit,
     continue_moment,
     guard_at,
 )
-from pipeline.charge.step import DEPTH, START, TEMPERATURE
+from pipeline.charge.step import DEPTH, START, TEMPERATURE, Run
 from pipeline.jit import kernel
 
 DONE, CIRCUIT_FAILED, STEPS_EXHAUSTED = range(3)
@@ -60,7 +55,7 @@ def run_edge(
     """
     time_s, group_start_s, next_sample = 0.0, 0.0, 1
     supply = 0
-    proposals = run.guess[:, :, 0]
+    proposals = run.proposal_s
     reset_extremes(book)
     course, group = 0, -1
     while course < len(program.segments):
@@ -84,7 +79,7 @@ def run_edge(
                 offset_s += length_s
                 time_s = segment_start_s
                 remaining_s = length_s
-                run.counts[EDGES] += 1
+                run.edges += 1
                 fresh, first = True, True
                 while remaining_s > 0.0 and reason == NOTHING:
                     if time_s >= next_sample * sample_interval_s - _TICK:
@@ -112,7 +107,7 @@ def run_edge(
                         if gap <= 0.0 and 0 <= what <= EDGE:
                             reason = what
                             break
-                        proposal_s = proposals[segment, run.counts[CONTROL]]
+                        proposal_s = proposals[segment, run.control]
                         if proposal_s == math.inf:
                             proposal_s = min(length_s, maximum_step_s if length_s < math.inf else _FIRST_STEP_S)
                         fresh, first = False, True
@@ -129,7 +124,7 @@ def run_edge(
                     )
                     if what == FAILED:
                         return CIRCUIT_FAILED, time_s
-                    if run.counts[STEPS] > maximum_steps:
+                    if run.steps > maximum_steps:
                         return STEPS_EXHAUSTED, time_s
                     note_marks(cell, run, book, time_s, taken_s)
                     if len(book.windows) > 0:
@@ -139,7 +134,7 @@ def run_edge(
                     if first and length_s < math.inf:
                         better = 2.0 * taken_s if factor > 2.9 else taken_s
                         if taken_s < longest_s or better > taken_s:
-                            proposals[segment, run.counts[CONTROL]] = dyadic(min(better, length_s), length_s)
+                            proposals[segment, run.control] = dyadic(min(better, length_s), length_s)
                     first = False
                     wish_s = max(taken_s, min(proposal_s, 4.0 * taken_s)) * factor if what == NOTHING else proposal_s
                     proposal_s = min(maximum_step_s, dyadic(wish_s, length_s))
@@ -148,7 +143,7 @@ def run_edge(
                         remaining_s = 0.0
                     time_s = segment_start_s + (length_s - remaining_s) if length_s < math.inf else time_s + taken_s
                     if what >= TO_CURRENT:
-                        run.counts[CHANGES] += 1
+                        run.changes += 1
                         fresh = True
                     elif what != NOTHING:
                         reason = what

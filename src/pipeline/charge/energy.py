@@ -30,7 +30,7 @@ def pair_stores(cell: Cell, state: NDArray[np.float64]) -> list[float]:
     for k in range(cell.pairs + cell.acceptance):
         x = float(state[DEPTH])
         acceptance = k == cell.pairs
-        resistance = cell.acceptance_ohm / x if acceptance else value_and_slope(cell.curves, FIRST_PAIR + k, x)[0]
+        resistance = cell.acceptance_ohm / x if acceptance else value_and_slope(cell, FIRST_PAIR + k, x)[0]
         voltage = float(state[RELAXATIONS + k])
         stores.append(cell.cells * 0.5 * cell.tau_s[k] * voltage * voltage / resistance if resistance > 0 else 0.0)
     return stores
@@ -40,7 +40,7 @@ def gas_store(cell: Cell, state: NDArray[np.float64]) -> float:
     """Return the energy of gas not yet recombined, for the whole battery [J]."""
     if not cell.recombination:
         return 0.0
-    return float(cell.cells * cell.gas_v * cell.tau_s[-1] * state[-1])
+    return float(cell.cells * cell.gas_v * cell.tau_s[cell.relaxations - 1] * state[RELAXATIONS + cell.relaxations - 1])
 
 
 def balance(

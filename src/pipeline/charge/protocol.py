@@ -9,7 +9,7 @@ from typing import Any
 from pipeline.charge.records import Mode, Phase
 from pipeline.charge.waveforms import Segment, Staged, Until, Waveform
 from pipeline.errors import UserError, best_matches
-from pipeline.record import Number, Reference, Record
+from pipeline.record import Number, Record, Reference
 
 C_RATE = "_c_rate"
 UNTIL = ("elapsed_s", "soc", "voltage_v", "current_a", "temperature_c")

@@ -8,16 +8,15 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from pipeline.cell.circuit import OPEN_CIRCUIT, REFERENCE_K, SERIES, ENTROPIC, Cell
+from pipeline.cell.circuit import ENTROPIC, OPEN_CIRCUIT, REFERENCE_K, SERIES, Cell
 from pipeline.cell.curves import value_and_slope
 from pipeline.cell.relaxation import LAGRANGE, response
-from pipeline.charge.segment import CONTROL, Demand, Run
+from pipeline.charge.segment import Demand
 from pipeline.charge.step import (
     CHARGE,
     DEPTH,
     ELECTRICAL,
     MAIN,
-    OHM,
     POWER_CONTROL,
     RELAXATIONS,
     SIDE,
@@ -28,10 +27,11 @@ from pipeline.charge.step import (
     TOTAL,
     VOLTAGE_CONTROL,
     VOLTAGE_TIME,
-    charge_transfer,
+    Run,
     T,
+    charge_transfer,
 )
-from pipeline.jit import kernel
+from pipeline.jit import inlined, kernel
 
 # Sums since the last sample.
 (
@@ -71,10 +71,10 @@ class Book(NamedTuple):
     peak_k: NDArray[np.float64]
 
 
-@kernel
+@inlined
 def add_step(run: Run, book: Book, length_s: float) -> None:
     """Add an accepted step to the sums since the last sample."""
-    gain, at, sums, extremes = run.work.gain, run.work.at, book.sums, book.extremes
+    gain, at, sums, extremes = run.gain, run.at, book.sums, book.extremes
     if gain[CHARGE] >= 0.0:
         sums[CHARGE_IN] += gain[CHARGE]
         sums[ENERGY_IN] += gain[ELECTRICAL]
@@ -84,9 +84,9 @@ def add_step(run: Run, book: Book, length_s: float) -> None:
     sums[SPAN_S] += length_s
     sums[SIDE_AS] += gain[SIDE_CHARGE]
     sums[VOLTAGE_VS] += gain[VOLTAGE_TIME]
-    if run.counts[CONTROL] == VOLTAGE_CONTROL:
+    if run.control == VOLTAGE_CONTROL:
         sums[VOLTAGE_LIMITED_S] += length_s
-    elif run.counts[CONTROL] == POWER_CONTROL:
+    elif run.control == POWER_CONTROL:
         sums[SUPPLY_LIMITED_S] += length_s
     for n in range(len(gain)):
         book.recent_gains[n] += gain[n]
@@ -98,7 +98,7 @@ def add_step(run: Run, book: Book, length_s: float) -> None:
         book.peak_k[0] = max(book.peak_k[0], at[T, j])
 
 
-@kernel
+@inlined
 def reset_extremes(book: Book) -> None:
     """Forget the extremes of the last interval."""
     book.extremes[LOWEST_V] = book.extremes[LOWEST_A] = math.inf
@@ -150,7 +150,7 @@ def at_fraction(values: NDArray[np.float64], theta: float) -> float:
 @kernel
 def depth_at(cell: Cell, run: Run, length_s: float, theta: float) -> float:
     """Return 1 - SOC at a fraction of the step just taken."""
-    drawn, main = 0.0, run.work.at[MAIN]
+    drawn, main = 0.0, run.at[MAIN]
     for node in range(3):
         basis = LAGRANGE[0, node] + theta * (LAGRANGE[1, node] / 2.0 + theta * LAGRANGE[2, node] / 3.0)
         drawn += theta * basis * main[node]
@@ -160,7 +160,7 @@ def depth_at(cell: Cell, run: Run, length_s: float, theta: float) -> float:
 @kernel
 def temperature_at(run: Run, theta: float) -> float:
     """Return the temperature at a fraction of the step: the cubic through its start and the nodes."""
-    at, total = run.work.at, 0.0
+    at, total = run.at, 0.0
     nodes = (0.0, 0.15505102572168219, 0.6449489742783178, 1.0)
     for i in range(4):
         basis = 1.0
@@ -174,7 +174,7 @@ def temperature_at(run: Run, theta: float) -> float:
 @kernel
 def note_marks(cell: Cell, run: Run, book: Book, time_s: float, length_s: float) -> None:
     """Write time and temperature at each mark of SOC that the step just taken passes, by bisection of its cubic."""
-    while book.filled[3] < len(book.marks) and run.work.end[DEPTH] <= book.marks[book.filled[3], 0]:
+    while book.filled[3] < len(book.marks) and run.end[DEPTH] <= book.marks[book.filled[3], 0]:
         mark = book.marks[book.filled[3]]
         low, high = 0.0, 1.0
         for _ in range(60):
@@ -195,7 +195,7 @@ def write_point(
     """Write one point of a window inside the step just taken."""
     if book.filled[2] >= len(book.waveform):
         return
-    work, at, scratch = run.work, run.work.at, run.work.scratch
+    at = run.at
     x, temperature = depth_at(cell, run, length_s, theta), temperature_at(run, theta)
     if theta <= 0.0:
         current, voltage = at[TOTAL, START], at[TERMINAL_V, START]
@@ -204,17 +204,17 @@ def write_point(
     else:
         main = at_fraction(at[MAIN], theta)
         current = main + at_fraction(at[SIDE], theta)
-        open_v, _ = value_and_slope(cell.curves, OPEN_CIRCUIT, x)
-        entropy, _ = value_and_slope(cell.curves, ENTROPIC, x)
-        ohm, _ = value_and_slope(cell.curves, SERIES, x)
+        open_v, _ = value_and_slope(cell, OPEN_CIRCUIT, x)
+        entropy, _ = value_and_slope(cell, ENTROPIC, x)
+        ohm, _ = value_and_slope(cell, SERIES, x)
         eta, _, _ = charge_transfer(cell, x, temperature, main)
         voltage = open_v + entropy * (temperature - REFERENCE_K) + ohm * current + eta
         for k in range(cell.pairs + cell.acceptance):
-            w = scratch[30:33]
-            left = response(length_s / cell.tau_s[k], theta, scratch[:8], w)
+            w = run.row
+            left = response(length_s / cell.tau_s[k], theta, run.phi, w)
             voltage += left * run.state[RELAXATIONS + k]
             for node in range(3):
-                voltage += w[node] * work.forcing[k, node]
+                voltage += w[node] * run.forcing[k, node]
     row = book.waveform[book.filled[2]]
     row[0], row[1], row[2], row[3], row[4], row[5] = (
         window,

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pipeline.cell.circuit import Cell
-from pipeline.cell.relaxation import Weights, fill, new_weights
+from pipeline.cell.relaxation import MOST_SLOTS, fill
 from pipeline.charge.step import (
     CURRENT_CONTROL,
     DEPTH,
@@ -21,15 +21,14 @@ from pipeline.charge.step import (
     TERMINAL_V,
     TOTAL,
     VOLTAGE_CONTROL,
-    Work,
-    X,
+    Run,
     T,
+    X,
     integrate,
-    new_work,
-    start_moment,
+    solve_start,
     step_error,
 )
-from pipeline.jit import kernel
+from pipeline.jit import inlined, kernel
 
 # What can happen inside a step. The first five follow the order of the limits of a phase, the next those of a stop.
 ELAPSED, SOC, VOLTAGE, CURRENT, WARM = range(5)
@@ -38,12 +37,8 @@ EDGE = 10
 TO_CURRENT, TO_VOLTAGE, TO_POWER, TO_BYPASS, TO_PAIR = range(11, 16)
 NOTHING, FAILED = -1, -2
 
-_SLOTS = 24
 _NEVER = 1e300
 _CHATTER = 1e-9
-
-# Integers of a run.
-CONTROL, BYPASSED, NEXT_SLOT, STEPS, EDGES, CHANGES, CONTINUES, COUNTS = range(8)
 
 
 class Demand(NamedTuple):
@@ -55,38 +50,20 @@ class Demand(NamedTuple):
     charging: bool
 
 
-class Run(NamedTuple):
-    """Everything of a run that changes."""
-
-    state: NDArray[np.float64]
-    work: Work
-    weights: Weights
-    counts: NDArray[np.int64]
-    guess: NDArray[np.float64]
-
-
-def new_run(cell: Cell) -> Run:
-    """Return the arrays of a run."""
-    k = cell.relaxations
-    weights = new_weights(_SLOTS, k)
-    weights.length_s[:] = -1.0
-    return Run(np.zeros(RELAXATIONS + k), new_work(k), weights, np.zeros(COUNTS, dtype=np.int64), np.zeros((3, 3, 8)))
-
-
-@kernel
+@inlined
 def slot_of(cell: Cell, run: Run, length_s: float) -> int:
     """Return the slot that holds the weights of a step length, computing them where none does."""
-    lengths = run.weights.length_s
-    for slot in range(_SLOTS):
+    lengths = run.length_s
+    for slot in range(MOST_SLOTS):
         if lengths[slot] == length_s:
             return slot
-    slot = run.counts[NEXT_SLOT]
-    run.counts[NEXT_SLOT] = (slot + 1) % _SLOTS
-    fill(run.weights, slot, length_s, cell.tau_s, run.work.scratch)
+    slot = run.next_slot
+    run.next_slot = (slot + 1) % MOST_SLOTS
+    fill(run, slot, length_s, cell.tau_s, cell.relaxations)
     return slot
 
 
-@kernel
+@inlined
 def target_of(cell: Cell, demand: Demand, control: int) -> float:
     """Return what a control holds: current [A], voltage of a cell [V], or power of a cell [W]."""
     if control == CURRENT_CONTROL:
@@ -99,44 +76,43 @@ def target_of(cell: Cell, demand: Demand, control: int) -> float:
 @kernel
 def choose_control(cell: Cell, run: Run, demand: Demand) -> bool:
     """Pick the control that gives the least current and solve the start in it; False where the circuit fails."""
-    counts, state, at = run.counts, run.state, run.work.at
-    counts[CONTROL] = CURRENT_CONTROL
+    state, at = run.state, run.at
+    run.control = CURRENT_CONTROL
     if cell.acceptance == 1:
         state[RELAXATIONS + cell.pairs] = max(0.0, state[RELAXATIONS + cell.pairs])
-    if not start_moment(cell, run.work, state, CURRENT_CONTROL, demand.current_a):
+    if not solve_start(cell, run, CURRENT_CONTROL, demand.current_a):
         return False
     if demand.charging:
         if at[TERMINAL_V, START] > demand.limit_v:
-            counts[CONTROL] = VOLTAGE_CONTROL
-            if not start_moment(cell, run.work, state, VOLTAGE_CONTROL, demand.limit_v):
+            run.control = VOLTAGE_CONTROL
+            if not solve_start(cell, run, VOLTAGE_CONTROL, demand.limit_v):
                 return False
         if cell.cells * at[TERMINAL_V, START] * at[TOTAL, START] > demand.power_w:
-            counts[CONTROL] = POWER_CONTROL
-            if not start_moment(cell, run.work, state, POWER_CONTROL, demand.power_w / cell.cells):
+            run.control = POWER_CONTROL
+            if not solve_start(cell, run, POWER_CONTROL, demand.power_w / cell.cells):
                 return False
     _choose_bypass(cell, run)
     return True
 
 
-@kernel
+@inlined
 def _choose_bypass(cell: Cell, run: Run) -> None:
     discharged = cell.acceptance == 1 and run.state[RELAXATIONS + cell.pairs] <= 0.0
-    run.counts[BYPASSED] = 1 if discharged and run.work.at[MAIN, START] <= 0.0 else 0
+    run.bypassed = 1 if discharged and run.at[MAIN, START] <= 0.0 else 0
 
 
-@kernel
+@inlined
 def continue_moment(run: Run) -> None:
     """Make the end of the last step the start of the next one, under the same control."""
-    work = run.work
-    for row in range(len(work.at)):
-        work.at[row, START] = work.at[row, 2]
-    work.at[X, START], work.at[T, START] = run.state[DEPTH], run.state[TEMPERATURE]
-    for k in range(len(work.value)):
-        work.resistance[k, START] = work.resistance[k, 2]
-        work.value[k, START] = work.value[k, 2]
+    for row in range(len(run.at)):
+        run.at[row, START] = run.at[row, 2]
+    run.at[X, START], run.at[T, START] = run.state[DEPTH], run.state[TEMPERATURE]
+    for k in range(len(run.value)):
+        run.resistance[k, START] = run.resistance[k, 2]
+        run.value[k, START] = run.value[k, 2]
 
 
-@kernel
+@inlined
 def guard_at(cell: Cell, run: Run, demand: Demand, limits: NDArray[np.float64], j: int) -> tuple[float, int]:
     """Return how far moment j is from the nearest thing that may happen, and what that is; negative beyond it.
 
@@ -144,7 +120,7 @@ def guard_at(cell: Cell, run: Run, demand: Demand, limits: NDArray[np.float64], 
     ---------
     limits : SOC as 1 - SOC, voltage, current, temperature of the phase, the same of the stop, then the stage's edge.
     """
-    work, at, control = run.work, run.work.at, run.counts[CONTROL]
+    at, control = run.at, run.control
     total, terminal = at[TOTAL, j], at[TERMINAL_V, j]
     least, what = _NEVER, NOTHING
     for of in range(2):
@@ -176,15 +152,15 @@ def guard_at(cell: Cell, run: Run, demand: Demand, limits: NDArray[np.float64], 
             if gap < least:
                 least, what = gap, TO_POWER
     if cell.acceptance == 1:
-        if run.counts[BYPASSED] == 1:
+        if run.bypassed == 1:
             if -at[MAIN, j] < least:
                 least, what = -at[MAIN, j], TO_PAIR
-        elif work.value[cell.pairs, j] < least:
-            least, what = work.value[cell.pairs, j], TO_BYPASS
+        elif run.value[cell.pairs, j] < least:
+            least, what = run.value[cell.pairs, j], TO_BYPASS
     return least, what
 
 
-@kernel
+@inlined
 def guard(cell: Cell, run: Run, demand: Demand, limits: NDArray[np.float64]) -> tuple[float, int]:
     """Return the nearest guard over the nodes of the step just taken."""
     least, what = guard_at(cell, run, demand, limits, 2)
@@ -195,30 +171,19 @@ def guard(cell: Cell, run: Run, demand: Demand, limits: NDArray[np.float64]) -> 
     return least, what
 
 
-@kernel
+@inlined
 def try_step(cell: Cell, run: Run, demand: Demand, ambient_k: float, length_s: float) -> bool:
-    """Integrate one step length from the state; `work` holds the result."""
-    work, counts = run.work, run.counts
+    """Integrate one step length from the state; `run` holds the result."""
     slot = slot_of(cell, run, length_s)
-    counts[STEPS] += 1
-    control = counts[CONTROL]
-    return integrate(
-        cell,
-        work,
-        run.weights,
-        slot,
-        run.state,
-        control,
-        target_of(cell, demand, control),
-        counts[BYPASSED] == 1,
-        ambient_k,
-    )
+    run.steps += 1
+    target = target_of(cell, demand, run.control)
+    return integrate(cell, run, slot, run.control, target, run.bypassed == 1, ambient_k)
 
 
-@kernel
+@inlined
 def set_guess(run: Run) -> None:
     """Guess that nothing changes over the step."""
-    at = run.work.at
+    at = run.at
     for j in range(3):
         at[MAIN, j] = at[MAIN, START]
         at[T, j] = at[T, START]
@@ -231,7 +196,7 @@ def locate(
     """Find where the nearest guard of an overlong step crosses zero; return the length that reaches it, and what it is.
 
     Regula falsi (Illinois) on the step length, integrating from the step's start every time; the step found is left
-    in `work`. Bisection by ratio where the secant does not close in.
+    in `run`. Bisection by ratio where the secant does not close in.
     """
     low, high = 0.0, length_s
     above, _ = guard_at(cell, run, demand, limits, START)
@@ -239,13 +204,13 @@ def locate(
     below, what = guard(cell, run, demand, limits)
     trial, side = length_s, 0
     for attempt in range(200):
-        if below >= 0.0 or high - low <= 1e-12 * (1e-3 + high) and attempt > 0:
+        if below >= 0.0 or (high - low <= 1e-12 * (1e-3 + high) and attempt > 0):
             break
-        trial = low + (high - low) * above / (above - below)
+        share = above / (above - below)
         if attempt % 4 == 3:
-            trial = 0.5 * (low + high) if low > 0.01 * high else 0.03 * high + low
-        if not low < trial < high:
-            break
+            share = 0.5 if low > 0.01 * high else 0.03
+        # A little off both ends, so that a root found from one side is enclosed by the next trial.
+        trial = low + (high - low) * min(max(share, 1e-4), 1.0 - 1e-4)
         set_guess(run)
         if not try_step(cell, run, demand, ambient_k, trial):
             return high, FAILED
@@ -279,18 +244,17 @@ def advance(
     proposal_s: float,
     tolerance: float,
 ) -> tuple[float, int, float]:
-    """Take one accepted step of at most `longest_s`; the start column of `work` must hold the state.
+    """Take one accepted step of at most `longest_s`; the start column of `run` must hold the state.
 
     Returns
     -------
     length [s], what happened at its end (`NOTHING`, an event or `FAILED`), factor for the next proposal.
     """
-    work, counts = run.work, run.counts
     length_s = min(longest_s, proposal_s)
     for _ in range(2000):
         set_guess(run)
         fine = try_step(cell, run, demand, ambient_k, length_s)
-        error = step_error(cell, work, length_s, counts[BYPASSED] == 1) / tolerance if fine else 1e8
+        error = step_error(cell, run, length_s, run.bypassed == 1) / tolerance if fine else 1e8
         if not error < 1.0:
             length_s *= max(0.1, 0.8 * error**-0.25) if math.isfinite(error) else 0.1
             if length_s < 1e-200:
@@ -307,8 +271,8 @@ def advance(
     return 0.0, FAILED, 1.0
 
 
-@kernel
+@inlined
 def commit(run: Run) -> None:
     """Make the end of the step the state."""
     for n in range(len(run.state)):
-        run.state[n] = run.work.end[n]
+        run.state[n] = run.end[n]

@@ -9,7 +9,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from pipeline.cell.circuit import ZERO_CELSIUS_K, Cell, compile_cell
+from pipeline.cell.circuit import MOST_RELAXATIONS, ZERO_CELSIUS_K, Cell, compile_cell
 from pipeline.cell.records import Battery
 from pipeline.charge import edge
 from pipeline.charge.checks import check
@@ -18,8 +18,8 @@ from pipeline.charge.program import Program, compile_program
 from pipeline.charge.protocol import UNTIL, Protocol, resolve
 from pipeline.charge.record_keeping import PHASE_COLUMNS, SAMPLE_COLUMNS, SUMS, WAVEFORM_COLUMNS, Book
 from pipeline.charge.records import ChargeSettings, EngineSettings, Mode
-from pipeline.charge.segment import CHANGES, EDGES, LIMITS, STEPS, Run, new_run
-from pipeline.charge.step import DEPTH, PAIR_HEAT, TEMPERATURE
+from pipeline.charge.segment import LIMITS
+from pipeline.charge.step import DEPTH, PAIR_HEAT, TEMPERATURE, Run, new_run
 from pipeline.charge.summary import Quantity, summarise
 
 Columns = dict[str, Any]
@@ -78,7 +78,7 @@ def simulate(battery: Battery, mode: Mode, supply: Supply, settings: ChargeSetti
     EngineError : steps exhausted or a state without a solution.
     """
     outcome = run(battery, mode, supply, settings, engine)
-    energy = balance(outcome.cell, outcome.book.gains, outcome.start, outcome.run.state, tuple(battery.pairs))
+    energy = balance(outcome.cell, outcome.book.gains, outcome.start, outcome.run["state"], tuple(battery.pairs))
     return Charge(
         trace=_trace(outcome, settings.ambient_c),
         waveform=_waveform(outcome),
@@ -94,10 +94,10 @@ def run(battery: Battery, mode: Mode, supply: Supply, settings: ChargeSettings, 
     cell = compile_cell(battery)
     protocol = resolve(mode, battery.capacity_in_use_ah)
     program = compile_program(protocol, battery.cells_in_series)
-    state = new_run(cell)
-    start = state.state.copy()
+    state = new_run()
+    start = state["state"].copy()
     start[DEPTH], start[TEMPERATURE] = 1.0 - settings.initial_soc, settings.ambient_c + ZERO_CELSIUS_K
-    state.state[:] = start
+    state["state"][:] = start
     book = _book(program, settings, cell)
     book.peak_k[0] = start[TEMPERATURE]
     status, end_s = edge.run_edge(
@@ -116,8 +116,8 @@ def run(battery: Battery, mode: Mode, supply: Supply, settings: ChargeSettings, 
     if status != edge.DONE:
         problem = "no solution of the circuit" if status == edge.CIRCUIT_FAILED else "the steps are used up"
         raise EngineError(
-            f"{problem} at {end_s:.9g} s after {state.counts[STEPS]} steps: SOC {1.0 - state.state[DEPTH]:.9g}, "
-            f"temperature {state.state[TEMPERATURE] - ZERO_CELSIUS_K:.6g} degC"
+            f"{problem} at {end_s:.9g} s after {state['steps']} steps: SOC {1.0 - state['state'][DEPTH]:.9g}, "
+            f"temperature {state['state'][TEMPERATURE] - ZERO_CELSIUS_K:.6g} degC"
         )
     return Outcome(cell, protocol, state, book, start, end_s)
 
@@ -126,8 +126,8 @@ def _book(program: Program, settings: ChargeSettings, cell: Cell) -> Book:
     marks = np.full((len(settings.soc_marks), 3), np.nan)
     marks[:, 0] = 1.0 - np.sort(np.array(settings.soc_marks, dtype=np.float64))
     windows = np.array([(w.start_s, w.start_s + w.length_s) for w in settings.windows], dtype=np.float64).reshape(-1, 2)
-    rows = int(math.ceil(program.stop_elapsed_s / settings.sample_interval_s)) + 3
-    gains = PAIR_HEAT + cell.relaxations
+    rows = math.ceil(program.stop_elapsed_s / settings.sample_interval_s) + 3
+    gains = PAIR_HEAT + MOST_RELAXATIONS
     return Book(
         samples=np.zeros((rows, SAMPLE_COLUMNS)),
         phases=np.zeros((len(program.segments), PHASE_COLUMNS)),
@@ -221,12 +221,6 @@ def _phases(outcome: Outcome) -> Columns:
         "end_soc": 1.0 - rows[:, 5],
         "end_temperature_c": rows[:, 6] - ZERO_CELSIUS_K,
     }
-
-
-def statistics(outcome: Outcome) -> dict[str, int]:
-    """Return how much work a run was."""
-    counts = outcome.run.counts
-    return {"steps": int(counts[STEPS]), "edges": int(counts[EDGES]), "control_changes": int(counts[CHANGES])}
 
 
 def warm_up() -> list[str]:

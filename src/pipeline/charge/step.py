@@ -8,7 +8,7 @@ what the control asks: that current, that voltage or that power.
 from __future__ import annotations
 
 import math
-from typing import NamedTuple
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,6 +17,7 @@ from pipeline.cell.circuit import (
     ENTROPIC,
     EXCHANGE,
     FIRST_PAIR,
+    MOST_RELAXATIONS,
     OPEN_CIRCUIT,
     REFERENCE_K,
     SERIES,
@@ -25,8 +26,8 @@ from pipeline.cell.circuit import (
     side_current,
 )
 from pipeline.cell.curves import value_and_slope
-from pipeline.cell.relaxation import AT_START, RADAU, Weights
-from pipeline.jit import kernel
+from pipeline.cell.relaxation import AT_START, RADAU, WEIGHT_FIELDS
+from pipeline.jit import inlined, kernel
 
 CURRENT_CONTROL, VOLTAGE_CONTROL, POWER_CONTROL = range(3)
 
@@ -48,94 +49,111 @@ DEPTH, TEMPERATURE, RELAXATIONS = range(3)
 ) = range(10)
 
 # Rows of the quantities at a moment: columns are the three nodes and, fourth, the start of the step.
-MAIN, SIDE, TOTAL, X, T, NODE_V, SLOW_V, OHM, ETA, ENTROPY, REVERSIBLE, HEAT, TERMINAL_V, SIDE_SLOPE, QUANTITIES = (
-    range(15)
-)
+(
+    MAIN,
+    SIDE,
+    TOTAL,
+    X,
+    T,
+    NODE_V,
+    SLOW_V,
+    OHM,
+    ETA,
+    ENTROPY,
+    REVERSIBLE,
+    HEAT,
+    TERMINAL_V,
+    SIDE_SLOPE,
+    ETA_SLOPE,
+    QUANTITIES,
+) = range(16)
 START = 3
 _ITERATIONS = 14
 
 
-class Work(NamedTuple):
-    """Scratch arrays of a run; nothing is allocated in a step."""
+RUN = np.dtype(
+    [
+        ("state", np.float64, (RELAXATIONS + MOST_RELAXATIONS,)),
+        ("end", np.float64, (RELAXATIONS + MOST_RELAXATIONS,)),
+        ("gain", np.float64, (PAIR_HEAT + MOST_RELAXATIONS,)),
+        ("at", np.float64, (QUANTITIES, 4)),
+        ("forcing", np.float64, (MOST_RELAXATIONS, 4)),
+        ("value", np.float64, (MOST_RELAXATIONS, 4)),
+        ("resistance", np.float64, (MOST_RELAXATIONS, 4)),
+        ("slope", np.float64, (MOST_RELAXATIONS, 4)),
+        ("depth_slope", np.float64, (3, 4)),
+        ("jacobian", np.float64, (3, 3)),
+        ("residual", np.float64, (3,)),
+        ("proposal_s", np.float64, (3, 3)),
+        ("control", np.int64),
+        ("bypassed", np.int64),
+        ("next_slot", np.int64),
+        ("steps", np.int64),
+        ("edges", np.int64),
+        ("changes", np.int64),
+        *WEIGHT_FIELDS,
+    ],
+    align=True,
+)
+"""Everything of a run that changes, in one record: nothing is allocated in a step."""
 
-    at: NDArray[np.float64]
-    forcing: NDArray[np.float64]
-    value: NDArray[np.float64]
-    resistance: NDArray[np.float64]
-    slope: NDArray[np.float64]
-    jacobian: NDArray[np.float64]
-    depth_slope: NDArray[np.float64]
-    residual: NDArray[np.float64]
-    end: NDArray[np.float64]
-    gain: NDArray[np.float64]
-    scratch: NDArray[np.float64]
+Run = Any
 
 
-def new_work(relaxations: int) -> Work:
-    """Return the scratch arrays for a number of relaxations."""
-    k = relaxations
-    return Work(
-        np.zeros((QUANTITIES, 4)),
-        np.zeros((k, 4)),
-        np.zeros((k, 4)),
-        np.zeros((k, 4)),
-        np.zeros((k, 4)),
-        np.zeros((3, 3)),
-        np.zeros((3, 4)),
-        np.zeros(3),
-        np.zeros(RELAXATIONS + k),
-        np.zeros(PAIR_HEAT + k),
-        np.zeros(64),
-    )
+def new_run() -> Run:
+    """Return the record of a run that has not begun."""
+    run = np.zeros(1, dtype=RUN).view(np.recarray)[0]
+    run["length_s"][:] = -1.0
+    return run
 
 
 # Rows of the slopes with x.
 _OPEN_SLOPE, _OHM_SLOPE, _ETA_SLOPE = range(3)
 
 
-@kernel
-def circuit_at(cell: Cell, work: Work, j: int) -> None:
+@inlined
+def circuit_at(cell: Cell, run: Run, j: int) -> None:
     """Evaluate at moment j everything that depends on SOC alone, and its slope with x."""
-    at, slope = work.at, work.depth_slope
+    at, slope = run.at, run.depth_slope
     x = at[X, j]
-    open_v, open_slope = value_and_slope(cell.curves, OPEN_CIRCUIT, x)
-    entropy, entropy_slope = value_and_slope(cell.curves, ENTROPIC, x)
+    open_v, open_slope = value_and_slope(cell, OPEN_CIRCUIT, x)
+    entropy, entropy_slope = value_and_slope(cell, ENTROPIC, x)
     warmer = at[T, j] - REFERENCE_K
     at[SLOW_V, j] = open_v + entropy * warmer
     at[ENTROPY, j] = entropy
     slope[_OPEN_SLOPE, j] = open_slope + entropy_slope * warmer
-    at[OHM, j], slope[_OHM_SLOPE, j] = value_and_slope(cell.curves, SERIES, x)
+    at[OHM, j], slope[_OHM_SLOPE, j] = value_and_slope(cell, SERIES, x)
     for k in range(cell.pairs):
-        work.resistance[k, j], work.slope[k, j] = value_and_slope(cell.curves, FIRST_PAIR + k, x)
+        run.resistance[k, j], run.slope[k, j] = value_and_slope(cell, FIRST_PAIR + k, x)
     if cell.acceptance == 1:
         k = cell.pairs
-        work.resistance[k, j] = cell.acceptance_ohm / x
-        work.slope[k, j] = -work.resistance[k, j] / x
+        run.resistance[k, j] = cell.acceptance_ohm / x
+        run.slope[k, j] = -run.resistance[k, j] / x
 
 
-@kernel
+@inlined
 def charge_transfer(cell: Cell, x: float, temperature_k: float, main_a: float) -> tuple[float, float, float]:
     """Return the overpotential (2RT/F) asinh(i / 2 i0) [V] and its slopes with current and with x."""
     if cell.transfer == 0:
         return 0.0, 0.0, 0.0
-    exchange, exchange_slope = value_and_slope(cell.curves, EXCHANGE, x)
+    exchange, exchange_slope = value_and_slope(cell, EXCHANGE, x)
     scale = 2.0 * THERMAL_V_PER_K * temperature_k
     with_current = scale / math.hypot(main_a, 2.0 * exchange)
     overpotential = scale * math.asinh(main_a / (2.0 * exchange))
     return overpotential, with_current, -with_current * main_a / exchange * exchange_slope
 
 
-@kernel
-def finish_moment(cell: Cell, work: Work, j: int, relaxed_v: float, control: int, target: float) -> tuple[float, float]:
+@inlined
+def finish_moment(cell: Cell, run: Run, j: int, relaxed_v: float, control: int, target: float) -> tuple[float, float]:
     """Evaluate moment j for its main current; return the control's residual and its slope with that current alone."""
-    at = work.at
-    eta, eta_slope, work.depth_slope[_ETA_SLOPE, j] = charge_transfer(cell, at[X, j], at[T, j], at[MAIN, j])
+    at = run.at
+    eta, eta_slope, run.depth_slope[_ETA_SLOPE, j] = charge_transfer(cell, at[X, j], at[T, j], at[MAIN, j])
     node_v = at[SLOW_V, j] + relaxed_v + eta
     side, side_slope = side_current(cell, node_v, at[T, j])
     total = at[MAIN, j] + side
     terminal_v = node_v + at[OHM, j] * total
     at[ETA, j], at[NODE_V, j], at[SIDE, j], at[SIDE_SLOPE, j] = eta, node_v, side, side_slope
-    at[TOTAL, j], at[TERMINAL_V, j] = total, terminal_v
+    at[TOTAL, j], at[TERMINAL_V, j], at[ETA_SLOPE, j] = total, terminal_v, eta_slope
     total_slope = 1.0 + side_slope * eta_slope
     if control == CURRENT_CONTROL:
         return total - target, total_slope
@@ -146,18 +164,18 @@ def finish_moment(cell: Cell, work: Work, j: int, relaxed_v: float, control: int
 
 
 @kernel
-def start_moment(cell: Cell, work: Work, state: NDArray[np.float64], control: int, target: float) -> bool:
+def solve_start(cell: Cell, run: Run, control: int, target: float) -> bool:
     """Solve the circuit for the state as it stands and fill the start column; False where that fails.
 
     The residual rises with the current and bends upwards, so Newton's iteration cannot circle.
     """
-    at = work.at
+    at, state = run.at, run.state
     at[X, START], at[T, START] = state[DEPTH], state[TEMPERATURE]
-    circuit_at(cell, work, START)
+    circuit_at(cell, run, START)
     relaxed = 0.0
     for k in range(cell.pairs + cell.acceptance):
         relaxed += state[RELAXATIONS + k]
-        work.value[k, START] = state[RELAXATIONS + k]
+        run.value[k, START] = state[RELAXATIONS + k]
     guess = target
     if control == VOLTAGE_CONTROL:
         guess = (target - at[SLOW_V, START] - relaxed) / max(at[OHM, START], 1e-6)
@@ -166,7 +184,7 @@ def start_moment(cell: Cell, work: Work, state: NDArray[np.float64], control: in
     at[MAIN, START] = guess
     scale = abs(target) + 1e-9
     for _ in range(400):
-        residual, slope = finish_moment(cell, work, START, relaxed, control, target)
+        residual, slope = finish_moment(cell, run, START, relaxed, control, target)
         if not math.isfinite(residual):
             return False
         change = residual / slope
@@ -174,15 +192,15 @@ def start_moment(cell: Cell, work: Work, state: NDArray[np.float64], control: in
             return True
         at[MAIN, START] -= change
         if abs(change) <= 1e-9 * abs(at[MAIN, START]):
-            finish_moment(cell, work, START, relaxed, control, target)
+            finish_moment(cell, run, START, relaxed, control, target)
             return True
     return False
 
 
-@kernel
-def node_heat(cell: Cell, work: Work, j: int) -> float:
+@inlined
+def node_heat(cell: Cell, run: Run, j: int) -> float:
     """Return the heat of the whole battery at moment j [W], the relaxation of gas left out."""
-    at = work.at
+    at = run.at
     main = at[MAIN, j]
     if cell.thermoneutral == 1:
         reversible = main * (at[SLOW_V, j] - cell.thermoneutral_v)
@@ -191,29 +209,27 @@ def node_heat(cell: Cell, work: Work, j: int) -> float:
     at[REVERSIBLE, j] = reversible
     heat = reversible + at[OHM, j] * at[TOTAL, j] ** 2 + at[ETA, j] * main + at[SIDE, j] * (at[NODE_V, j] - cell.gas_v)
     for k in range(cell.pairs + cell.acceptance):
-        heat += work.value[k, j] ** 2 * pair_conductance(cell, work, k, j)
+        heat += run.value[k, j] ** 2 * pair_conductance(cell, run, k, j)
     if cell.recombination == 1:
-        heat += work.value[cell.relaxations - 1, j] * cell.gas_v
+        heat += run.value[cell.relaxations - 1, j] * cell.gas_v
     return cell.cells * heat
 
 
-@kernel
-def pair_conductance(cell: Cell, work: Work, k: int, j: int) -> float:
+@inlined
+def pair_conductance(cell: Cell, run: Run, k: int, j: int) -> float:
     """Return what turns v^2 into the heat of pair k: 1/R - (dC/dt)/2 with C = tau / R [S]."""
-    resistance = work.resistance[k, j]
+    resistance = run.resistance[k, j]
     if resistance <= 0.0:
         return 0.0
-    drift = 0.5 * cell.tau_s[k] * work.slope[k, j] / resistance * work.at[MAIN, j] / cell.charge_as
+    drift = 0.5 * cell.tau_s[k] * run.slope[k, j] / resistance * run.at[MAIN, j] / cell.charge_as
     return (1.0 - drift) / resistance
 
 
 @kernel
 def integrate(
     cell: Cell,
-    work: Work,
-    weights: Weights,
+    run: Run,
     slot: int,
-    state: NDArray[np.float64],
     control: int,
     target: float,
     bypassed: bool,
@@ -223,13 +239,12 @@ def integrate(
 
     Arguments
     ---------
-    work : `at[MAIN, :3]` and `at[T, :3]` hold the guess on entry, the solution on return; `end` and `gain` are written.
-    state : state at the start, (2 + relaxations,); left as it is.
+    run : `at[MAIN, :3]` and `at[T, :3]` hold the guess on entry, the solution on return; `end` and `gain` are written.
     target : current [A] and power [W] of the battery, or voltage [V] of one cell.
     bypassed : the acceptance pair is discharged and the current is not charging it.
     """
-    at = work.at
-    h = weights.length_s[slot]
+    at, state = run.at, run.state
+    h = run.length_s[slot]
     per_charge = h / cell.charge_as
     voltages = cell.pairs + cell.acceptance
     for _ in range(_ITERATIONS):
@@ -238,75 +253,74 @@ def integrate(
             at[X, j] = state[DEPTH] - per_charge * drawn
             if not at[X, j] > 0.0:
                 return False
-            circuit_at(cell, work, j)
+            circuit_at(cell, run, j)
             for k in range(voltages):
-                work.forcing[k, j] = work.resistance[k, j] * at[MAIN, j]
+                run.forcing[k, j] = run.resistance[k, j] * at[MAIN, j]
         if bypassed:
             for j in range(3):
-                work.forcing[cell.pairs, j] = 0.0
+                run.forcing[cell.pairs, j] = 0.0
         worst = 0.0
         for j in range(3):
             relaxed = 0.0
             for k in range(voltages):
-                w = weights.node[slot, k, j]
-                work.value[k, j] = (
-                    weights.decay[slot, k, j] * state[RELAXATIONS + k]
-                    + w[0] * work.forcing[k, 0]
-                    + w[1] * work.forcing[k, 1]
-                    + w[2] * work.forcing[k, 2]
+                w = run.node[slot, k, j]
+                run.value[k, j] = (
+                    run.decay[slot, k, j] * state[RELAXATIONS + k]
+                    + w[0] * run.forcing[k, 0]
+                    + w[1] * run.forcing[k, 1]
+                    + w[2] * run.forcing[k, 2]
                 )
-                relaxed += work.value[k, j]
-            work.residual[j], _ = finish_moment(cell, work, j, relaxed, control, target)
-        _newton(cell, work, weights, slot, control, bypassed)
+                relaxed += run.value[k, j]
+            run.residual[j], _ = finish_moment(cell, run, j, relaxed, control, target)
+        _newton(cell, run, slot, control, bypassed)
         largest = max(abs(at[MAIN, 0]), abs(at[MAIN, 1]), abs(at[MAIN, 2])) + 1e-300
         for j in range(3):
-            change = work.residual[j]
+            change = run.residual[j]
             if not math.isfinite(change):
                 return False
             at[MAIN, j] -= change
             worst = max(worst, abs(change) / largest)
-        warmed = _heat_nodes(cell, work, weights, slot, state, ambient_k)
+        warmed = _heat_nodes(cell, run, slot, ambient_k)
         if worst < 1e-8 and warmed < 1e-8:
-            _finish(cell, work, weights, slot, state, bypassed, ambient_k)
+            _finish(cell, run, slot, bypassed, ambient_k)
             return True
     return False
 
 
-@kernel
-def _newton(cell: Cell, work: Work, weights: Weights, slot: int, control: int, bypassed: bool) -> None:
+@inlined
+def _newton(cell: Cell, run: Run, slot: int, control: int, bypassed: bool) -> None:
     """Replace the residuals of the nodes by Newton's corrections of their main currents."""
-    at, m = work.at, work.jacobian
-    per_charge = weights.length_s[slot] / cell.charge_as
+    at, m = run.at, run.jacobian
+    per_charge = run.length_s[slot] / cell.charge_as
     for j in range(3):
-        eta_slope = 0.0
-        if cell.transfer == 1:
-            _, eta_slope, _ = charge_transfer(cell, at[X, j], at[T, j], at[MAIN, j])
+        with_x = run.depth_slope[_OPEN_SLOPE, j] + run.depth_slope[_ETA_SLOPE, j]
         for n in range(3):
-            with_x = -per_charge * RADAU[j, n]
-            node = (work.depth_slope[_OPEN_SLOPE, j] + work.depth_slope[_ETA_SLOPE, j]) * with_x
+            # Through the forcing of node n: by its current, and by its x in every forcing that depends on it.
+            run.row[n] = 0.0
+            m[j, n] = 0.0
             for k in range(cell.pairs + cell.acceptance):
-                if bypassed and k == cell.pairs:
-                    continue
-                w = weights.node[slot, k, j]
-                node += w[n] * work.resistance[k, n]
-                for other in range(3):
-                    with_other = -per_charge * RADAU[other, n]
-                    node += w[other] * work.slope[k, other] * at[MAIN, other] * with_other
-            if n == j:
-                node += eta_slope
+                if not (bypassed and k == cell.pairs):
+                    m[j, n] += run.node[slot, k, j, n] * run.resistance[k, n]
+                    run.row[n] += run.node[slot, k, j, n] * run.slope[k, n]
+            run.row[n] *= at[MAIN, n]
+        for n in range(3):
+            drift = RADAU[0, n] * run.row[0] + RADAU[1, n] * run.row[1] + RADAU[2, n] * run.row[2]
+            m[j, n] -= per_charge * (with_x * RADAU[j, n] + drift)
+        m[j, j] += at[ETA_SLOPE, j]
+        for n in range(3):
+            node = m[j, n]
             total = at[SIDE_SLOPE, j] * node + (1.0 if n == j else 0.0)
             if control == CURRENT_CONTROL:
                 m[j, n] = total
-            else:
-                terminal = node + at[OHM, j] * total + work.depth_slope[_OHM_SLOPE, j] * at[TOTAL, j] * with_x
-                if control == VOLTAGE_CONTROL:
-                    m[j, n] = terminal
-                else:
-                    m[j, n] = terminal * at[TOTAL, j] + at[TERMINAL_V, j] * total
-    _solve(m, work.residual)
+                continue
+            ohm_drift = per_charge * RADAU[j, n] * run.depth_slope[_OHM_SLOPE, j] * at[TOTAL, j]
+            m[j, n] = node + at[OHM, j] * total - ohm_drift
+            if control == POWER_CONTROL:
+                m[j, n] = m[j, n] * at[TOTAL, j] + at[TERMINAL_V, j] * total
+    _solve(m, run.residual)
 
 
-@kernel
+@inlined
 def _solve(m: NDArray[np.float64], r: NDArray[np.float64]) -> None:
     """Solve a 3 x 3 system in place by elimination with row scaling left to the caller's units."""
     f = m[1, 0] / m[0, 0]
@@ -319,25 +333,23 @@ def _solve(m: NDArray[np.float64], r: NDArray[np.float64]) -> None:
     r[0] = (r[0] - m[0, 1] * r[1] - m[0, 2] * r[2]) / m[0, 0]
 
 
-@kernel
-def _heat_nodes(
-    cell: Cell, work: Work, weights: Weights, slot: int, state: NDArray[np.float64], ambient_k: float
-) -> float:
+@inlined
+def _heat_nodes(cell: Cell, run: Run, slot: int, ambient_k: float) -> float:
     """Move the node temperatures to what the heat at the nodes makes of them; return the largest change [K]."""
-    at = work.at
-    h = weights.length_s[slot]
+    at, state = run.at, run.state
+    h = run.length_s[slot]
     if cell.recombination == 1:
         k = cell.relaxations - 1
         for j in range(3):
-            w = weights.node[slot, k, j]
-            work.value[k, j] = (
-                weights.decay[slot, k, j] * state[RELAXATIONS + k]
+            w = run.node[slot, k, j]
+            run.value[k, j] = (
+                run.decay[slot, k, j] * state[RELAXATIONS + k]
                 + w[0] * at[SIDE, 0]
                 + w[1] * at[SIDE, 1]
                 + w[2] * at[SIDE, 2]
             )
     for j in range(3):
-        at[HEAT, j] = node_heat(cell, work, j) - (at[T, j] - ambient_k) / cell.thermal_resistance_k_w
+        at[HEAT, j] = node_heat(cell, run, j) - (at[T, j] - ambient_k) / cell.thermal_resistance_k_w
     largest = 0.0
     for j in range(3):
         warming = RADAU[j, 0] * at[HEAT, 0] + RADAU[j, 1] * at[HEAT, 1] + RADAU[j, 2] * at[HEAT, 2]
@@ -347,20 +359,14 @@ def _heat_nodes(
     return largest
 
 
-@kernel
-def _finish(
-    cell: Cell,
-    work: Work,
-    weights: Weights,
-    slot: int,
-    state: NDArray[np.float64],
-    bypassed: bool,
-    ambient_k: float,
-) -> None:
+@inlined
+def _finish(cell: Cell, run: Run, slot: int, bypassed: bool, ambient_k: float) -> None:
     """Write the state at the end and what the step adds, exact for quadratic currents and exponential voltages."""
-    at, gain, end, n = work.at, work.gain, work.end, cell.cells
-    h = weights.length_s[slot]
-    gain[:] = 0.0
+    at, gain, end, state = run.at, run.gain, run.end, run.state
+    h = run.length_s[slot]
+    for row in range(PAIR_HEAT + cell.pairs + cell.acceptance):
+        gain[row] = 0.0
+    n = cell.cells
     drawn = 0.0
     for j in range(3):
         b = h * RADAU[2, j]
@@ -380,63 +386,63 @@ def _finish(
     end[DEPTH] = state[DEPTH] - drawn / cell.charge_as
     pair_heat = 0.0
     for k in range(cell.pairs + cell.acceptance):
-        pair_heat += _finish_pair(cell, work, weights, slot, k, state[RELAXATIONS + k], bypassed and k == cell.pairs)
+        pair_heat += _finish_pair(cell, run, slot, k, state[RELAXATIONS + k], bypassed and k == cell.pairs)
     if cell.recombination == 1:
         k = cell.relaxations - 1
-        w = weights.node[slot, k, 2]
+        w = run.node[slot, k, 2]
         before = state[RELAXATIONS + k]
         end[RELAXATIONS + k] = (
-            weights.decay[slot, k, 2] * before + w[0] * at[SIDE, 0] + w[1] * at[SIDE, 1] + w[2] * at[SIDE, 2]
+            run.decay[slot, k, 2] * before + w[0] * at[SIDE, 0] + w[1] * at[SIDE, 1] + w[2] * at[SIDE, 2]
         )
         gain[SIDE_HEAT] -= n * cell.gas_v * cell.tau_s[k] * (end[RELAXATIONS + k] - before)
     heat = gain[SERIES_HEAT] + gain[TRANSFER_HEAT] + gain[REVERSIBLE_HEAT] + gain[SIDE_HEAT] + pair_heat
     end[TEMPERATURE] = state[TEMPERATURE] + (heat - gain[TO_AMBIENT]) / cell.heat_capacity_j_k
 
 
-@kernel
-def _finish_pair(cell: Cell, work: Work, weights: Weights, slot: int, k: int, before: float, bypassed: bool) -> float:
+@inlined
+def _finish_pair(cell: Cell, run: Run, slot: int, k: int, before: float, bypassed: bool) -> float:
     """Advance one pair and add its work and heat; return its heat [J] for the battery.
 
     int v^2 dt = int v g dt - (tau/2) change of v^2; the slow factor's change over the step is taken by the nodes.
     """
-    at, gain, n = work.at, work.gain, cell.cells
-    h = weights.length_s[slot]
+    at, gain, n = run.at, run.gain, cell.cells
+    h = run.length_s[slot]
     if bypassed:
-        work.end[RELAXATIONS + k] = 0.0
+        run.end[RELAXATIONS + k] = 0.0
         return 0.0
     g0, g1, g2 = (
-        work.resistance[k, 0] * at[MAIN, 0],
-        work.resistance[k, 1] * at[MAIN, 1],
-        work.resistance[k, 2] * at[MAIN, 2],
+        run.resistance[k, 0] * at[MAIN, 0],
+        run.resistance[k, 1] * at[MAIN, 1],
+        run.resistance[k, 2] * at[MAIN, 2],
     )
-    w = weights.node[slot, k, 2]
-    after = weights.decay[slot, k, 2] * before + w[0] * g0 + w[1] * g1 + w[2] * g2
-    work.end[RELAXATIONS + k] = after
+    w = run.node[slot, k, 2]
+    after = run.decay[slot, k, 2] * before + w[0] * g0 + w[1] * g1 + w[2] * g2
+    run.end[RELAXATIONS + k] = after
     squared = -0.5 * cell.tau_s[k] * (after * after - before * before)
     mean = 0.0
     for j in range(3):
-        m = weights.moment[slot, k, j]
-        part = weights.start_moment[slot, k, j] * before + m[0] * g0 + m[1] * g1 + m[2] * g2
+        m = run.moment[slot, k, j]
+        part = run.start_moment[slot, k, j] * before + m[0] * g0 + m[1] * g1 + m[2] * g2
         gain[VOLTAGE_TIME] += n * part
         gain[ELECTRICAL] += n * part * at[TOTAL, j]
         gain[SIDE_HEAT] += n * part * at[SIDE, j]
-        squared += part * work.resistance[k, j] * at[MAIN, j]
-        mean += RADAU[2, j] * pair_conductance(cell, work, k, j)
+        squared += part * run.resistance[k, j] * at[MAIN, j]
+        mean += RADAU[2, j] * pair_conductance(cell, run, k, j)
     heat = mean * squared
     for j in range(3):
-        heat += h * RADAU[2, j] * work.value[k, j] ** 2 * (pair_conductance(cell, work, k, j) - mean)
+        heat += h * RADAU[2, j] * run.value[k, j] ** 2 * (pair_conductance(cell, run, k, j) - mean)
     gain[PAIR_HEAT + k] = n * heat
     return n * heat
 
 
-@kernel
-def step_error(cell: Cell, work: Work, h: float, bypassed: bool) -> float:
+@inlined
+def step_error(cell: Cell, run: Run, h: float, bypassed: bool) -> float:
     """Return the local error of a step in units of the battery's own scales, per unit of tolerance 1.
 
     Each function of time that the step replaces by a quadratic is extrapolated back to the start, where it is known.
     The current's mismatch grows as h^3, its effect on the end of the step as h^6: hence the square.
     """
-    at = work.at
+    at = run.at
     main = _mismatch(at[MAIN])
     swing = max(abs(at[MAIN, START] - at[MAIN, 2]), abs(at[MAIN, 0] - at[MAIN, 2])) + abs(main) + 1e-300
     flow = abs(at[TOTAL, 2]) + 1e-3 * cell.charge_as / 3600.0
@@ -448,12 +454,12 @@ def step_error(cell: Cell, work: Work, h: float, bypassed: bool) -> float:
     for k in range(cell.pairs + cell.acceptance):
         if bypassed and k == cell.pairs:
             continue
-        mismatch = _mismatch(work.resistance[k]) * at[MAIN, 2]
+        mismatch = _mismatch(run.resistance[k]) * at[MAIN, 2]
         voltage += abs(mismatch) * min(1.0, h / cell.tau_s[k])
     return max(error, 0.05 * voltage / at[SLOW_V, 2])
 
 
-@kernel
+@inlined
 def _mismatch(values: NDArray[np.float64]) -> float:
     """Return the quadratic through the nodes extrapolated to the start, less the value there."""
     return AT_START[0] * values[0] + AT_START[1] * values[1] + AT_START[2] * values[2] - values[START]

@@ -17,7 +17,6 @@ from pipeline.charge.record_keeping import (
     VOLTAGE_LIMITED_S,
 )
 from pipeline.charge.records import ChargeSettings
-from pipeline.charge.segment import CHANGES, EDGES, STEPS
 from pipeline.charge.step import DEPTH, TEMPERATURE
 
 if TYPE_CHECKING:
@@ -38,13 +37,13 @@ def summarise(
     outcome: Outcome, battery: Battery, settings: ChargeSettings, energy: dict[str, Any], reason: str
 ) -> list[Quantity]:
     """Return the quantities of a charge, in the order of the table."""
-    totals, start, end = outcome.book.totals, outcome.start, outcome.run.state
+    totals, start, end = outcome.book.totals, outcome.start, outcome.run["state"]
     of_path = dict(zip(energy["path"], energy["energy_j"], strict=True))
     net_as = totals[CHARGE_IN] - totals[CHARGE_OUT]
     net_j = totals[ENERGY_IN] - totals[ENERGY_OUT]
     gained_as = (start[DEPTH] - end[DEPTH]) * outcome.cell.charge_as
     scale_j = max(totals[ENERGY_IN], totals[ENERGY_OUT], 1e-9)
-    peak_k, counts = outcome.book.peak_k[0], outcome.run.counts
+    peak_k, run = outcome.book.peak_k[0], outcome.run
 
     def number(name: str, value: float, unit: str, description: str) -> Quantity:
         return Quantity(name, float(value), None, unit, description)
@@ -73,9 +72,9 @@ def summarise(
         number("time_at_voltage_limit_s", totals[VOLTAGE_LIMITED_S], "s", "time with the voltage held at its limit"),
         number("time_at_supply_limit_s", totals[SUPPLY_LIMITED_S], "s", "time with the supply at its limit"),
         number("energy_balance_residual", of_path["residual"] / scale_j, "1", "first law's residual over energy in"),
-        number("steps", counts[STEPS], "1", "steps integrated, rejected ones and those of root finding included"),
-        number("edges", counts[EDGES], "1", "segments of the waveform begun"),
-        number("control_changes", counts[CHANGES], "1", "changes between current, voltage and supply limit"),
+        number("steps", run["steps"], "1", "steps integrated, rejected ones and those of root finding included"),
+        number("edges", run["edges"], "1", "segments of the waveform begun"),
+        number("control_changes", run["changes"], "1", "changes between current, voltage and supply limit"),
     ]
 
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-
 from pipeline.cell.circuit import enthalpy
 from pipeline.cell.records import Battery, SideReaction, Thermal
 from pipeline.charge import edge
