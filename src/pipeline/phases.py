@@ -120,10 +120,10 @@ def _charge_inputs(study: Study) -> dict[str, str]:
 
 
 def _ensemble(study: Study) -> Iterator[Draft]:
-    ranges = {
-        path: list(source.range)
-        for path, source in study.sources.items()
-        if source.range is not None and _below(path, ("battery", "modes", "charge"))
+    varied = {path: source for path, source in study.sources.items() if _below(path, ("battery", "modes", "charge"))}
+    ranges = {path: list(source.range) for path, source in varied.items() if source.range is not None}
+    followers = {
+        path: f"{path.rpartition('.')[0]}.{source.same_as}" for path, source in varied.items() if source.same_as
     }
     if study.ensemble.samples == 0 or not ranges:
         return
@@ -140,6 +140,7 @@ def _ensemble(study: Study) -> Iterator[Draft]:
                 "engine": study.engine,
                 "ensemble": study.ensemble,
                 "ranges": ranges,
+                "followers": followers,
                 "seed": study.seed,
                 "run": study.run,
                 "comparisons": {name: card.mean_current_of for name, card in study.comparisons.items()},

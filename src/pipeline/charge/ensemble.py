@@ -21,13 +21,14 @@ class EnsembleSettings(Record):
     )
 
 
-def draw(ranges: Ranges, samples: int, seed: int) -> list[dict[str, float]]:
+def draw(ranges: Ranges, followers: Mapping[str, str], samples: int, seed: int) -> list[dict[str, float]]:
     """Draw a Latin hypercube over the ranges.
 
     Arguments
     ---------
     ranges : key path -> lowest and highest value. Knobs of one name and one range are one parameter in all modes,
         so that modes stay comparable.
+    followers : key path -> the path whose value it takes.
     samples : number of samples.
     seed : seed of the draw.
 
@@ -43,10 +44,11 @@ def draw(ranges: Ranges, samples: int, seed: int) -> list[dict[str, float]]:
         return [{} for _ in range(samples)]
     unit = qmc.LatinHypercube(d=len(names), rng=seed).random(samples)
     place = {name: column for column, name in enumerate(names)}
-    return [
+    drawn = [
         {path: low + (high - low) * float(row[place[shared[path]]]) for path, (low, high) in ranges.items()}
         for row in unit
     ]
+    return [values | {path: values[other] for path, other in followers.items()} for values in drawn]
 
 
 def with_values(tree: Mapping[str, Any], values: Mapping[str, float]) -> dict[str, Any]:

@@ -16,12 +16,17 @@ Kind = Literal["published", "data_sheet", "derived", "estimate", "calibrated", "
 
 
 class Source(Record):
-    """Where a value comes from; `to` names the published statement that it, or the model it enters, was fitted to."""
+    """Where a value comes from.
+
+    `to` names the published statement that it, or the model it enters, was fitted to. `range` says over which values
+    an estimate is plausible, in the value's own unit; `same_as` names the key beside it whose value it follows there.
+    """
 
     kind: Kind
     ref: str = ""
     to: str | None = None
     range: tuple[float, float] | None = None
+    same_as: str | None = None
 
     @model_validator(mode="after")
     def _complete(self) -> Source:

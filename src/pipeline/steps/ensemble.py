@@ -23,7 +23,7 @@ Row = tuple[int, str, str, str, float | None]
 def run(settings: Mapping[str, Any], inputs: Mapping[str, Path], output: Path) -> None:
     """Charge every sample in every comparison and mode."""
     chosen = EnsembleSettings.model_validate(settings["ensemble"])
-    samples = draw(settings["ranges"], chosen.samples, settings["seed"])
+    samples = draw(settings["ranges"], settings["followers"], chosen.samples, settings["seed"])
     nominal = {name: settings[name] for name in ("battery", "modes", "charge")}
     source = supply(inputs)
     rows: list[Row] = []
