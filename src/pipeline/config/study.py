@@ -162,7 +162,9 @@ def _check_together(composed: Composed, study: Study) -> None:
             power = study.panel.approximate_power_w(study.weather.irradiance_w_m2, study.weather.cell_temperature_c)
             voltage = study.panel.max_power_voltage_v * study.panel.panels_in_series
             supply_checks.check(power, voltage, study.converter, study.load)
-        calibrated = {source.to for source in study.sources.values() if source.to is not None}
+        own = f"{study.study.name}."
+        fitted = {source.to for source in study.sources.values() if source.to is not None}
+        calibrated = {name.removeprefix(own) for name in fitted if name.startswith(own)}
         published_checks.check(study.published, _makeable(study), study.charge.soc_marks, calibrated)
 
 
