@@ -52,6 +52,8 @@ SAMPLE_COLUMNS = 17
 PHASE_COLUMNS = 8
 WAVEFORM_COLUMNS = 6
 POINTS_PER_SEGMENT = 24
+# A stop at a mark ends the charge within this of it.
+_ROUNDING = 1e-12
 
 
 class Book(NamedTuple):
@@ -174,7 +176,7 @@ def temperature_at(run: Run, theta: float) -> float:
 @kernel
 def note_marks(cell: Cell, run: Run, book: Book, time_s: float, length_s: float) -> None:
     """Write time and temperature at each mark of SOC that the step just taken passes, by bisection of its cubic."""
-    while book.filled[3] < len(book.marks) and run.end[DEPTH] <= book.marks[book.filled[3], 0]:
+    while book.filled[3] < len(book.marks) and run.end[DEPTH] <= book.marks[book.filled[3], 0] + _ROUNDING:
         mark = book.marks[book.filled[3]]
         low, high = 0.0, 1.0
         for _ in range(60):

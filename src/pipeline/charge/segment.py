@@ -39,6 +39,7 @@ NOTHING, FAILED = -1, -2
 
 _NEVER = 1e300
 _CHATTER = 1e-9
+_ROUNDING = 1e-13
 
 
 class Demand(NamedTuple):
@@ -128,7 +129,7 @@ def guard_at(cell: Cell, run: Run, demand: Demand, limits: NDArray[np.float64], 
         gap = at[X, j] - limits[base]
         if gap < least:
             least, what = gap, LIMITS * of + SOC
-        gap = limits[base + 1] * (1.0 - _CHATTER) - terminal
+        gap = limits[base + 1] * (1.0 - _ROUNDING) - terminal
         if gap < least:
             least, what = gap, LIMITS * of + VOLTAGE
         if control == VOLTAGE_CONTROL and total - limits[base + 2] < least:
@@ -181,11 +182,12 @@ def try_step(cell: Cell, run: Run, demand: Demand, ambient_k: float, length_s: f
 
 
 @inlined
-def set_guess(run: Run) -> None:
-    """Guess that nothing changes over the step."""
+def set_guess(cell: Cell, run: Run, length_s: float) -> None:
+    """Guess that nothing changes over the step, nor that more is charged than there is room for."""
     at = run.at
+    room = 0.5 * run.state[DEPTH] * cell.charge_as / length_s
     for j in range(3):
-        at[MAIN, j] = at[MAIN, START]
+        at[MAIN, j] = min(at[MAIN, START], room)
         at[T, j] = at[T, START]
 
 
@@ -211,7 +213,7 @@ def locate(
             share = 0.5 if low > 0.01 * high else 0.03
         # A little off both ends, so that a root found from one side is enclosed by the next trial.
         trial = low + (high - low) * min(max(share, 1e-4), 1.0 - 1e-4)
-        set_guess(run)
+        set_guess(cell, run, trial)
         if not try_step(cell, run, demand, ambient_k, trial):
             return high, FAILED
         gap, kind = guard(cell, run, demand, limits)
@@ -226,7 +228,7 @@ def locate(
             below *= 0.5 if side > 0 else 1.0
             side = 1
     if trial != high:
-        set_guess(run)
+        set_guess(cell, run, high)
         if not try_step(cell, run, demand, ambient_k, high):
             return high, FAILED
         _, what = guard(cell, run, demand, limits)
@@ -252,7 +254,7 @@ def advance(
     """
     length_s = min(longest_s, proposal_s)
     for _ in range(2000):
-        set_guess(run)
+        set_guess(cell, run, length_s)
         fine = try_step(cell, run, demand, ambient_k, length_s)
         error = step_error(cell, run, length_s, run.bypassed == 1) / tolerance if fine else 1e8
         if not error < 1.0:

@@ -283,6 +283,9 @@ def integrate(
         warmed = _heat_nodes(cell, run, slot, ambient_k)
         if worst < 1e-8 and warmed < 1e-8:
             _finish(cell, run, slot, bypassed, ambient_k)
+            if control == VOLTAGE_CONTROL:
+                for j in range(3):
+                    at[TERMINAL_V, j] = target
             return True
     return False
 
