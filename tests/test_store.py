@@ -110,21 +110,26 @@ def test_a_killed_job_leaves_nothing_that_counts(tmp_path: Path) -> None:
 
 def test_broken_receipts_are_dropped(tmp_path: Path) -> None:
     made = store.make(tmp_path, "step", KEY, _writer("x"))
-    chunks = {"good-1": {"step": "step"}, "gone-1": {"step": "step"}, "torn-1": {"step": "step"}}
+    names = ("good-1", "gone-1", "torn-1")
+    chunks = {name: {"step": "step", "needs": []} for name in names} | {
+        "after-1": {"step": "step", "needs": ["gone-1"]}
+    }
+    store.write_receipt(tmp_path, "step", "after-1", {KEY: made}, {})
     store.write_receipt(tmp_path, "step", "good-1", {KEY: made}, {})
     store.write_receipt(tmp_path, "step", "gone-1", {"b" * 64: made}, {})
     store.receipt(tmp_path, "step", "torn-1").write_text('{"step": "st')
-    assert sorted(store.drop_broken_receipts(tmp_path, chunks)) == ["gone-1", "torn-1"]
+    assert sorted(store.drop_broken_receipts(tmp_path, chunks)) == ["after-1", "gone-1", "torn-1"]
     assert store.receipt(tmp_path, "step", "good-1").is_file()
 
 
 def test_a_receipt_of_a_view_ends_with_the_view(tmp_path: Path) -> None:
-    manifest = tmp_path / "study" / "run" / "manifest.json"
-    store.write_json(manifest, {"digest": "one"})
+    manifest = tmp_path / "results" / "study" / "run" / "manifest.json"
+    chunks = {"p-1": {"step": "publish", "needs": []}}
+    store.write_json(manifest, {"digest": "one", "artefacts": []})
     store.write_receipt(tmp_path, "publish", "p-1", {}, {str(manifest): "one"})
-    assert store.drop_broken_receipts(tmp_path, {"p-1": {"step": "publish"}}) == []
-    store.write_json(manifest, {"digest": "two"})
-    assert store.drop_broken_receipts(tmp_path, {"p-1": {"step": "publish"}}) == ["p-1"]
+    assert store.drop_broken_receipts(tmp_path, chunks) == []
+    store.write_json(manifest, {"digest": "two", "artefacts": []})
+    assert store.drop_broken_receipts(tmp_path, chunks) == ["p-1"]
 
 
 def test_links_replace_and_leave_no_second_name(tmp_path: Path) -> None:

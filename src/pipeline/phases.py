@@ -190,7 +190,11 @@ def _calibrated(study: Study, nodes: list[Draft], names: set[str], statement: st
             seen.add(name)
             waiting.extend(by_name[name].inputs.values())
     sections = tuple(section for name in seen for section in by_name[name].sections)
-    return {path for path, source in study.sources.items() if source.to == f"{study.study.name}.{statement}" and _below(path, sections)}
+    return {
+        path
+        for path, source in study.sources.items()
+        if source.to == f"{study.study.name}.{statement}" and _below(path, sections)
+    }
 
 
 def _figures(study: Study, nodes: list[Draft]) -> Iterator[Draft]:

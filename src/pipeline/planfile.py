@@ -20,7 +20,7 @@ def save(plan: Mapping[str, Any], results: Path) -> Path:
     """Write the plan under its digest, unless it is there; return the file."""
     path = results / "plan" / f"{digest.of_value(plan)[:16]}.json"
     if not path.is_file():
-        store.write_text(path, json.dumps(plan, indent=1, sort_keys=True, ensure_ascii=False, allow_nan=False))
+        store.write_text(path, json.dumps(plan, indent=1, ensure_ascii=False, allow_nan=False))
     return path
 
 

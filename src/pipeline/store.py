@@ -152,11 +152,22 @@ def link(source: Path, target: Path) -> None:
 
 
 def drop_broken_receipts(results: Path, chunks: Mapping[str, Mapping[str, Any]]) -> list[str]:
-    """Delete receipts whose artefacts are gone or whose view shows another run; return the chunks' names."""
-    dropped = []
+    """Delete receipts whose artefacts are gone or whose view shows another run, and of all that was made from them.
+
+    Jobs that run again for want of a receipt compute only what is not in the store.
+
+    Arguments
+    ---------
+    chunks : chunk -> its step and the chunks it needs, those before it.
+
+    Returns
+    -------
+    The names of the chunks whose receipts were deleted.
+    """
+    dropped: list[str] = []
     for name, chunk in chunks.items():
         path = receipt(results, chunk["step"], name)
-        if path.is_file() and not _honoured(results, path):
+        if path.is_file() and (not _honoured(results, path) or set(chunk["needs"]) & set(dropped)):
             path.unlink(missing_ok=True)
             dropped.append(name)
     return dropped
@@ -166,10 +177,16 @@ def _honoured(results: Path, path: Path) -> bool:
     try:
         made = json.loads(path.read_text())
         sealed = all((artefact(results, made["step"], key) / CONTENTS).is_file() for key in made["artefacts"])
-        shown = all(json.loads(Path(view).read_text())["digest"] == run for view, run in made["views"].items())
+        shown = all(_shows(Path(view), run) for view, run in made["views"].items())
     except (OSError, ValueError, KeyError):
         return False
     return sealed and shown
+
+
+def _shows(manifest: Path, run: str) -> bool:
+    shown = json.loads(manifest.read_text())
+    root = manifest.parents[3]
+    return shown["digest"] == run and all((root / entry["path"]).is_file() for entry in shown["artefacts"])
 
 
 def _seal(folder: Path) -> dict[str, str]:

@@ -49,7 +49,7 @@ def _opened(project: Project, step: str, tmp_path: Path) -> set[Path]:
     assert done.returncode == 0, done.stdout + done.stderr
     folder = project.folder.resolve()
     paths = {Path(path) for path in json.loads(report.read_text())}
-    return {path.relative_to(folder) for path in paths if path.is_relative_to(folder)}
+    return {path.relative_to(folder) for path in paths if path.is_relative_to(folder) and path.is_file()}
 
 
 @pytest.mark.parametrize("step", STEPS)
@@ -57,7 +57,7 @@ def test_a_step_opens_only_what_it_declared(project: Project, step: str, tmp_pat
     declared = {path for pattern in STEP_FILES.get(step, ()) for path in project.folder.glob(pattern)}
     known = {path.relative_to(project.folder) for path in declared}
     for path in _opened(project, step, tmp_path) - known:
-        is_code = path.suffix in (".py", ".pyc") or path.parts[0] == ".cache"
+        is_code = path.suffix == ".py" or "__pycache__" in path.parts or path.parts[0] == ".cache"
         is_store = path.parts[:2] in (("results", "store"), ("results", "plan"), ("results", "receipts"))
         assert is_code or is_store or path == Path("requirements.lock"), (
             f"{step} opened {path}, which it did not declare"
