@@ -10,10 +10,10 @@ all: setup ## run every study: results/ and reports/
 	$(BIN)/snakemake --cores $(CORES) all
 
 test: setup-dev ## run the tests
-	$(BIN)/python -m pytest -n $(CORES)
+	$(BIN)/python -m pytest -n $(CORES) --dist loadgroup
 
 test-slow: setup-dev ## run the tests that take minutes
-	$(BIN)/python -m pytest -n $(CORES) -m slow
+	$(BIN)/python -m pytest -n $(CORES) --dist loadgroup -m slow
 
 lint: setup-dev ## style, types, workflow
 	$(BIN)/ruff check .
