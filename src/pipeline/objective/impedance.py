@@ -9,7 +9,9 @@ from __future__ import annotations
 import math
 
 
-def impedance_ohm(frequency_hz: float, inductance_h: float, series_ohm: float, pair_ohm: float, pair_f: float) -> complex:
+def impedance_ohm(
+    frequency_hz: float, inductance_h: float, series_ohm: float, pair_ohm: float, pair_f: float
+) -> complex:
     """Return the impedance [ohm] of inductance, series resistance and one pair at a frequency [Hz]."""
     omega = 2.0 * math.pi * frequency_hz
     return 1j * omega * inductance_h + series_ohm + pair_ohm / (1.0 + 1j * omega * pair_ohm * pair_f)
