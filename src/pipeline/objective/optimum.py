@@ -68,7 +68,8 @@ def band_hz(period: Steps, pairs: Pairs, energy_j: float, share: float) -> Band:
     limit = np.sqrt(1.0 + share) * frequency_loss_w(period, pairs, energy_j, best)
 
     def over(frequency: Array) -> Array:
-        return np.subtract(frequency_loss_w(period, pairs, energy_j, frequency), limit)
+        excess: Array = frequency_loss_w(period, pairs, energy_j, frequency) - limit
+        return excess
 
     low = _bisected(lambda frequency: -over(frequency), (), 1e-6 * best, best)
     high = _bisected(over, (), best, 1e6 * best)
