@@ -37,6 +37,14 @@ def test_interval_holds_the_truth_as_often_as_it_says():
     assert 0.90 <= hits / 200 <= 0.99
 
 
+def test_resamples_are_drawn_from_both_with_their_ties():
+    first, second = [1.0, 2.0, 2.0, 3.0], [2.0, 2.0, 0.0]
+    found = effect(first, second, np.random.default_rng(5), confidence=0.8, resamples=20_000)
+    rng = np.random.default_rng(6)
+    drawn = [vargha_delaney(rng.choice(first, 4), rng.choice(second, 3)) for _ in range(20_000)]
+    np.testing.assert_allclose([found.low, found.high], np.quantile(drawn, [0.1, 0.9]), atol=0.02)
+
+
 def test_interval_of_a_mean():
     values = np.random.default_rng(3).normal(10.0, 2.0, 400)
     found = mean_with_interval(values, np.random.default_rng(4))

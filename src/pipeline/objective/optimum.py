@@ -15,7 +15,7 @@ from pipeline.objective.waveform import Steps
 
 Array = NDArray[np.float64]
 
-_BISECTIONS = 60
+_BISECTIONS = 50  # of nine decades: 2e-14 of the frequency
 
 
 class Band(NamedTuple):

@@ -54,7 +54,7 @@ def final_distance(target: float) -> Measure:
 
 
 def compare(
-    histories: Mapping[str, History], measures: Mapping[str, Measure], rng: np.random.Generator
+    histories: Mapping[str, History], measures: Mapping[str, Measure], rng: np.random.Generator, resamples: int = 2000
 ) -> tuple[list[Summary], list[Difference]]:
     """Compare every pair of searches by every measure.
 
@@ -64,14 +64,20 @@ def compare(
         independent, are then a little too wide.
     measures : name -> what to take from a history, a number per replicate, smaller being better; infinite: never.
     rng : where the bootstrap's resamples come from.
+    resamples : how many there are for each interval.
     """
     summaries, differences = [], []
     for name, measure in measures.items():
         results = {search: measure(history) for search, history in histories.items()}
         for search, values in results.items():
             arrived = values[np.isfinite(values)]
-            mean = mean_with_interval(arrived, rng) if len(arrived) else Effect(np.inf, np.inf, np.inf)
+            mean = (
+                mean_with_interval(arrived, rng, resamples=resamples)
+                if len(arrived)
+                else Effect(np.inf, np.inf, np.inf)
+            )
             summaries.append(Summary(search, name, mean, len(arrived) / len(values)))
         for first, second in itertools.combinations(results, 2):
-            differences.append(Difference(first, second, name, effect(results[first], results[second], rng)))
+            larger = effect(results[first], results[second], rng, resamples=resamples)
+            differences.append(Difference(first, second, name, larger))
     return summaries, differences
