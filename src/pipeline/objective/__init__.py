@@ -1,0 +1,1 @@
+"""The loss of a Reflex charge against its frequency, and the error and integral the search minimises."""

@@ -1,0 +1,1 @@
+"""Searches over a box: the chaotic swarm, the sweep that proves it, and what compares them."""

@@ -1,0 +1,88 @@
+"""Search algorithms by name: every module in `pipeline/search/algorithms` is one.
+
+A step that runs a search must carry the digest of `module_name(kind)` in its key: the module is imported by name, which
+no look at the sources can see.
+"""
+
+from __future__ import annotations
+
+import pkgutil
+from collections.abc import Mapping
+from importlib import import_module
+from typing import Annotated, Any, Protocol, cast
+
+import numpy as np
+from pydantic import BeforeValidator, SerializeAsAny
+
+from pipeline.errors import best_matches
+from pipeline.search import algorithms
+from pipeline.search.box import Box, SearchSettings
+from pipeline.search.history import History, Objective, joined
+from pipeline.search.streams import generators
+
+
+class Algorithm(Protocol):
+    """What a module of a search algorithm holds; `replicate` is optional."""
+
+    Settings: type[SearchSettings]
+
+    def minimise(self, objective: Objective, box: Box, settings: Any, rng: np.random.Generator) -> History:
+        """Run one search."""
+
+
+def names() -> list[str]:
+    """Return the names of all algorithms."""
+    return sorted(module.name for module in pkgutil.iter_modules(algorithms.__path__))
+
+
+def module_name(kind: str) -> str:
+    """Return the dotted name of an algorithm's module.
+
+    Raises
+    ------
+    ValueError : there is no such algorithm.
+    """
+    known = names()
+    if kind not in known:
+        raise ValueError(f"no search algorithm {kind!r}; {best_matches(kind, known)}")
+    return f"{algorithms.__name__}.{kind}"
+
+
+def algorithm(kind: str) -> Algorithm:
+    """Return an algorithm by name."""
+    return cast(Algorithm, import_module(module_name(kind)))
+
+
+def settings_from(values: Any) -> Any:
+    """Return the settings record that a mapping's `kind` names; anything else as it is."""
+    if not isinstance(values, Mapping):
+        return values
+    kind = values.get("kind")
+    if not isinstance(kind, str):
+        raise ValueError(f"kind is {kind!r}; it names a search algorithm, {best_matches('', names())}")
+    return algorithm(kind).Settings.model_validate(dict(values))
+
+
+AnySettings = Annotated[SerializeAsAny[SearchSettings], BeforeValidator(settings_from)]
+"""A field that takes the settings of whichever algorithm its `kind` names."""
+
+
+def replicated(objective: Objective, settings: SearchSettings, seed: int) -> History:
+    """Run a search with all its replicates; number i draws from SeedSequence([seed, i]).
+
+    Arguments
+    ---------
+    objective : positions (n, d) to values (n,).
+    settings : of any algorithm; they hold the box and the number of replicates.
+    seed : root of the random streams.
+
+    Returns
+    -------
+    History of all replicates.
+    """
+    module, box = algorithm(settings.kind), settings.box()
+    together = getattr(module, "replicate", None)
+    if together is not None:
+        return cast(History, together(objective, box, settings, seed))
+    random = generators(seed, 0, settings.replicates)
+    return joined([module.minimise(objective, box, settings, rng) for rng in random])

@@ -1,0 +1,28 @@
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+import yaml
+
+from pipeline.objective.records import Pairs, ReflexFrequency, Waveform
+
+CONF = Path(__file__).parents[2] / "conf"
+
+
+@pytest.fixture(scope="session")
+def reflex():
+    return Waveform(charge_a=2.1, charge_share=0.90, discharge_a=0.5, discharge_share=0.05)
+
+
+@pytest.fixture(scope="session")
+def pairs():
+    """The whole lead-acid battery: 15 mOhm // 0.4 F and 30 mOhm // 20 F."""
+    return Pairs((0.015, 0.030), (0.006, 0.6))
+
+
+@pytest.fixture(scope="session")
+def settings():
+    values = yaml.safe_load((CONF / "objective" / "reflex_frequency.yaml").read_text())
+    values.pop("sources")
+    return ReflexFrequency(**values)

@@ -1,0 +1,82 @@
+from __future__ import annotations
+
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+import yaml
+from pydantic import ValidationError
+
+from pipeline.objective.records import ReflexFrequency, Waveform
+from pipeline.search.registry import settings_from
+from pipeline.taguchi.records import Design
+
+CONF = Path(__file__).parents[2] / "conf"
+READERS = {
+    "objective": lambda values: ReflexFrequency(**values),
+    "search": settings_from,
+    "design": lambda values: Design(**values),
+}
+FILES = [path for group in READERS for path in sorted((CONF / group).glob("*.yaml"))]
+
+
+def numbers(values, path=()):
+    if isinstance(values, dict):
+        if set(values) == {"from", "value"}:
+            return
+        for key, value in values.items():
+            yield from numbers(value, (*path, key))
+    elif isinstance(values, list) or (isinstance(values, int | float) and not isinstance(values, bool)):
+        yield path, values
+
+
+def source_of(sources, path):
+    for key in path:
+        sources = sources[key]
+        if "kind" in sources:
+            return sources
+    raise KeyError(path)
+
+
+def range_of(sources, path):
+    for key in path:
+        sources = sources.get(key, {})
+    return sources.get("range")
+
+
+@pytest.mark.parametrize("path", FILES, ids=lambda path: f"{path.parent.name}/{path.stem}")
+def test_every_number_has_a_source(path):
+    values = yaml.safe_load(path.read_text())
+    sources = values.pop("sources")
+    READERS[path.parent.name](values)
+    for key, value in numbers(values):
+        source = source_of(sources, key)
+        assert source["kind"] in {"published", "data_sheet", "derived", "estimate", "calibrated"}
+        assert source["ref"]
+        assert (source["kind"] == "calibrated") == ("to" in source)
+        limits = range_of(sources, key)
+        assert limits is None or limits[0] <= value <= limits[1], key
+
+
+def test_two_values_are_calibrated_and_say_to_what():
+    sources = yaml.safe_load((CONF / "objective" / "reflex_frequency.yaml").read_text())["sources"]
+    assert sources["transistor"]["fall_time_s"]["to"] == "frequency_converges_at_90_hz"
+    assert sources["window_s"]["to"] == "ise_converges_at_0_2"
+
+
+def test_a_period_holds_no_more_than_itself():
+    with pytest.raises(ValidationError, match=r"charge_share \+ discharge_share is 1.1; a period holds at most 1"):
+        Waveform(charge_a=1.0, charge_share=0.9, discharge_a=1.0, discharge_share=0.2)
+
+
+def test_records_import_nothing_heavy():
+    code = (
+        "import sys, pipeline.objective.records, pipeline.taguchi.records, pipeline.search.registry\n"
+        "import pipeline.search.algorithms.swarm, pipeline.search.algorithms.sweep\n"
+        "print([m for m in ('numba', 'scipy', 'pvlib', 'matplotlib', 'pandas', 'pydoe') if m in sys.modules])"
+    )
+    environment = {**os.environ, "PYTHONPATH": str(CONF.parent / "src")}
+    done = subprocess.run([sys.executable, "-c", code], env=environment, capture_output=True, text=True, check=True)
+    assert done.stdout.strip() == "[]"

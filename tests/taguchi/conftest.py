@@ -1,0 +1,41 @@
+from __future__ import annotations
+
+import csv
+from pathlib import Path
+
+import numpy as np
+import pytest
+import yaml
+
+from pipeline.taguchi import arrays
+from pipeline.taguchi.records import Design
+
+CONF = Path(__file__).parents[2] / "conf"
+
+
+def table(name):
+    with (CONF / "published" / "reference" / name).open(encoding="utf-8", newline="") as file:
+        rows = list(csv.DictReader(file))
+    return {key: np.array([float(row[key]) for row in rows]) for key in rows[0]}
+
+
+@pytest.fixture(scope="session")
+def design():
+    values = yaml.safe_load((CONF / "design" / "taguchi_l16.yaml").read_text())
+    values.pop("sources")
+    return Design(**values)
+
+
+@pytest.fixture(scope="session")
+def array(design):
+    return arrays.rows(design)
+
+
+@pytest.fixture(scope="session")
+def table_2():
+    return table("solar_table2.csv")
+
+
+@pytest.fixture(scope="session")
+def table_3():
+    return table("solar_table3.csv")
