@@ -111,8 +111,8 @@ def run_edge(
                         if proposal_s == math.inf:
                             proposal_s = min(length_s, maximum_step_s if length_s < math.inf else _FIRST_STEP_S)
                         fresh, first = False, True
-                    else:
-                        continue_moment(run)
+                    elif not continue_moment(cell, run, demand):
+                        return CIRCUIT_FAILED, time_s
                     due_s = min(next_sample * sample_interval_s, program.stop_elapsed_s, phase_end_s)
                     if supply + 1 < len(supply_time_s):
                         due_s = min(due_s, supply_time_s[supply + 1])

@@ -81,17 +81,18 @@ def choose_control(cell: Cell, run: Run, demand: Demand) -> bool:
     run.control = CURRENT_CONTROL
     if cell.acceptance == 1:
         state[RELAXATIONS + cell.pairs] = max(0.0, state[RELAXATIONS + cell.pairs])
-    if not solve_start(cell, run, CURRENT_CONTROL, demand.current_a):
+    if not solve_start(cell, run, CURRENT_CONTROL, demand.current_a, demand.current_a):
         return False
     if demand.charging:
         if at[TERMINAL_V, START] > demand.limit_v:
             run.control = VOLTAGE_CONTROL
-            if not solve_start(cell, run, VOLTAGE_CONTROL, demand.limit_v):
+            if not solve_start(cell, run, VOLTAGE_CONTROL, demand.limit_v, at[MAIN, START]):
                 return False
         if cell.cells * at[TERMINAL_V, START] * at[TOTAL, START] > demand.power_w:
             run.control = POWER_CONTROL
-            if not solve_start(cell, run, POWER_CONTROL, demand.power_w / cell.cells):
+            if not solve_start(cell, run, POWER_CONTROL, demand.power_w / cell.cells, at[MAIN, START]):
                 return False
+    run.guess_a = at[MAIN, START]
     _choose_bypass(cell, run)
     return True
 
@@ -103,14 +104,11 @@ def _choose_bypass(cell: Cell, run: Run) -> None:
 
 
 @inlined
-def continue_moment(run: Run) -> None:
-    """Make the end of the last step the start of the next one, under the same control."""
-    for row in range(len(run.at)):
-        run.at[row, START] = run.at[row, 2]
-    run.at[X, START], run.at[T, START] = run.state[DEPTH], run.state[TEMPERATURE]
-    for k in range(len(run.value)):
-        run.resistance[k, START] = run.resistance[k, 2]
-        run.value[k, START] = run.value[k, 2]
+def continue_moment(cell: Cell, run: Run, demand: Demand) -> bool:
+    """Solve the start of the next step under the control of the last one; False where the circuit fails."""
+    # The step's own end is the better guess: where next to nothing is accepted, the start's balance is all rounding.
+    run.guess_a = run.at[MAIN, 2]
+    return solve_start(cell, run, run.control, target_of(cell, demand, run.control), run.guess_a)
 
 
 @inlined
@@ -187,7 +185,7 @@ def set_guess(cell: Cell, run: Run, length_s: float) -> None:
     at = run.at
     room = 0.5 * run.state[DEPTH] * cell.charge_as / length_s
     for j in range(3):
-        at[MAIN, j] = min(at[MAIN, START], room)
+        at[MAIN, j] = min(run.guess_a, room)
         at[T, j] = at[T, START]
 
 

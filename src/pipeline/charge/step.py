@@ -69,6 +69,11 @@ DEPTH, TEMPERATURE, RELAXATIONS = range(3)
 ) = range(16)
 START = 3
 _ITERATIONS = 14
+# Corrections after which an iteration ends: the next would be their square; node temperatures act on voltages only.
+_NEWTON = 1e-8
+_WARMING_K = 1e-6
+# A current the step cannot follow leaves this share of its squared mismatch behind, measured and rounded upwards.
+_CURRENT_ERROR = 1e-3
 
 
 RUN = np.dtype(
@@ -81,10 +86,12 @@ RUN = np.dtype(
         ("value", np.float64, (MOST_RELAXATIONS, 4)),
         ("resistance", np.float64, (MOST_RELAXATIONS, 4)),
         ("slope", np.float64, (MOST_RELAXATIONS, 4)),
+        ("conductance", np.float64, (MOST_RELAXATIONS, 4)),
         ("depth_slope", np.float64, (3, 4)),
         ("jacobian", np.float64, (3, 3)),
         ("residual", np.float64, (3,)),
         ("proposal_s", np.float64, (3, 3)),
+        ("guess_a", np.float64),
         ("control", np.int64),
         ("bypassed", np.int64),
         ("next_slot", np.int64),
@@ -164,7 +171,7 @@ def finish_moment(cell: Cell, run: Run, j: int, relaxed_v: float, control: int, 
 
 
 @kernel
-def solve_start(cell: Cell, run: Run, control: int, target: float) -> bool:
+def solve_start(cell: Cell, run: Run, control: int, target: float, guess: float) -> bool:
     """Solve the circuit for the state as it stands and fill the start column; False where that fails.
 
     The residual rises with the current and bends upwards, so Newton's iteration cannot circle.
@@ -176,11 +183,6 @@ def solve_start(cell: Cell, run: Run, control: int, target: float) -> bool:
     for k in range(cell.pairs + cell.acceptance):
         relaxed += state[RELAXATIONS + k]
         run.value[k, START] = state[RELAXATIONS + k]
-    guess = target
-    if control == VOLTAGE_CONTROL:
-        guess = (target - at[SLOW_V, START] - relaxed) / max(at[OHM, START], 1e-6)
-    elif control == POWER_CONTROL:
-        guess = target / (at[SLOW_V, START] + relaxed)
     at[MAIN, START] = guess
     scale = abs(target) + 1e-9
     for _ in range(400):
@@ -209,7 +211,8 @@ def node_heat(cell: Cell, run: Run, j: int) -> float:
     at[REVERSIBLE, j] = reversible
     heat = reversible + at[OHM, j] * at[TOTAL, j] ** 2 + at[ETA, j] * main + at[SIDE, j] * (at[NODE_V, j] - cell.gas_v)
     for k in range(cell.pairs + cell.acceptance):
-        heat += run.value[k, j] ** 2 * pair_conductance(cell, run, k, j)
+        run.conductance[k, j] = pair_conductance(cell, run, k, j)
+        heat += run.value[k, j] ** 2 * run.conductance[k, j]
     if cell.recombination == 1:
         heat += run.value[cell.relaxations - 1, j] * cell.gas_v
     return cell.cells * heat
@@ -218,11 +221,13 @@ def node_heat(cell: Cell, run: Run, j: int) -> float:
 @inlined
 def pair_conductance(cell: Cell, run: Run, k: int, j: int) -> float:
     """Return what turns v^2 into the heat of pair k: 1/R - (dC/dt)/2 with C = tau / R [S]."""
-    resistance = run.resistance[k, j]
-    if resistance <= 0.0:
+    if run.resistance[k, j] <= 0.0:
         return 0.0
-    drift = 0.5 * cell.tau_s[k] * run.slope[k, j] / resistance * run.at[MAIN, j] / cell.charge_as
-    return (1.0 - drift) / resistance
+    conductance = 1.0 / run.resistance[k, j]
+    if run.slope[k, j] == 0.0:
+        return conductance
+    drift = 0.5 * cell.tau_s[k] * run.slope[k, j] * conductance * run.at[MAIN, j] / cell.charge_as
+    return (1.0 - drift) * conductance
 
 
 @kernel
@@ -281,7 +286,7 @@ def integrate(
             at[MAIN, j] -= change
             worst = max(worst, abs(change) / largest)
         warmed = _heat_nodes(cell, run, slot, ambient_k)
-        if worst < 1e-8 and warmed < 1e-8:
+        if worst < _NEWTON and warmed < _WARMING_K:
             _finish(cell, run, slot, bypassed, ambient_k)
             if control == VOLTAGE_CONTROL:
                 for j in range(3):
@@ -430,10 +435,10 @@ def _finish_pair(cell: Cell, run: Run, slot: int, k: int, before: float, bypasse
         gain[ELECTRICAL] += n * part * at[TOTAL, j]
         gain[SIDE_HEAT] += n * part * at[SIDE, j]
         squared += part * run.resistance[k, j] * at[MAIN, j]
-        mean += RADAU[2, j] * pair_conductance(cell, run, k, j)
+        mean += RADAU[2, j] * run.conductance[k, j]
     heat = mean * squared
     for j in range(3):
-        heat += h * RADAU[2, j] * run.value[k, j] ** 2 * (pair_conductance(cell, run, k, j) - mean)
+        heat += h * RADAU[2, j] * run.value[k, j] ** 2 * (run.conductance[k, j] - mean)
     gain[PAIR_HEAT + k] = n * heat
     return n * heat
 
@@ -449,7 +454,7 @@ def step_error(cell: Cell, run: Run, h: float, bypassed: bool) -> float:
     main = _mismatch(at[MAIN])
     swing = max(abs(at[MAIN, START] - at[MAIN, 2]), abs(at[MAIN, 0] - at[MAIN, 2])) + abs(main) + 1e-300
     flow = abs(at[TOTAL, 2]) + 1e-3 * cell.charge_as / 3600.0
-    error = main * main / (swing * flow)
+    error = _CURRENT_ERROR * main * main / (swing * flow)
     voltage = abs(_mismatch(at[SLOW_V])) + abs(at[T, START] * _mismatch(at[ENTROPY]))
     if cell.transfer == 1:
         voltage += abs(_mismatch(at[ETA]))
