@@ -40,15 +40,16 @@ def jit(function: F) -> F:
     return numba.njit(cache=True, fastmath=False, error_model="numpy")(function)  # type: ignore[no-any-return]
 
 
-def kernel(function: F) -> F:
-    """Compile a function that allocates nothing.
+# No Python objects, IEEE arithmetic kept, cached; and no counting of references, which allocation would need and which
+# costs more than the arithmetic of a small kernel.
+_KERNEL: dict[str, Any] = {"cache": True, "fastmath": False, "error_model": "numpy", "_nrt": False}
 
-    Without the counting of references, which would cost more than the arithmetic of a small kernel.
-    """
-    return numba.njit(cache=True, fastmath=False, error_model="numpy", _nrt=False)(function)  # type: ignore[no-any-return]
+
+def kernel(function: F) -> F:
+    """Compile a function that allocates nothing."""
+    return numba.njit(**_KERNEL)(function)  # type: ignore[no-any-return]
 
 
 def inlined(function: F) -> F:
     """Compile like `kernel`, into its callers: for the innermost functions, whose call would cost more than they do."""
-    options = {"cache": True, "fastmath": False, "error_model": "numpy", "_nrt": False, "forceinline": True}
-    return numba.njit(**options)(function)  # type: ignore[no-any-return]
+    return numba.njit(**_KERNEL, forceinline=True)(function)  # type: ignore[no-any-return]
