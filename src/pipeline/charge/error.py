@@ -12,6 +12,8 @@ from pipeline.jit import inlined
 
 # A current the step cannot follow leaves this share of its squared mismatch behind, measured and rounded upwards.
 _CURRENT_ERROR = 1e-3
+# A voltage it cannot follow: this share of its mismatch, rounded upwards.
+_VOLTAGE_ERROR = 0.1
 
 
 @inlined
@@ -35,7 +37,7 @@ def step_error(cell: Cell, run: Run, h: float, bypassed: bool) -> float:
             continue
         mismatch = _mismatch(run.resistance[k]) * at[MAIN, 2]
         voltage += abs(mismatch) * min(1.0, h / cell.tau_s[k])
-    return float(max(error, 0.05 * voltage / at[SLOW_V, 2]))
+    return float(max(error, _VOLTAGE_ERROR * voltage / at[SLOW_V, 2]))
 
 
 @inlined

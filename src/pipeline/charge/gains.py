@@ -75,10 +75,10 @@ def finish(cell: Cell, run: Run, slot: int, bypassed: bool, ambient_k: float) ->
 def _finish_pair(cell: Cell, run: Run, slot: int, k: int, before: float, bypassed: bool) -> float:
     """Advance one pair and add its work and heat; return its heat [J] for the battery.
 
-    int v^2 dt = int v g dt - (tau/2) change of v^2; the slow factor's change over the step is taken by the nodes.
+    int v^2 dt = int v g dt - (tau/2) change of v^2; what the slow factor 1/R changes over the step meets
+    v exactly once and once by its values at the nodes.
     """
     at, gain, n = run.at, run.gain, cell.cells
-    h = run.length_s[slot]
     if bypassed:
         run.end[RELAXATIONS + k] = 0.0
         return 0.0
@@ -95,6 +95,7 @@ def _finish_pair(cell: Cell, run: Run, slot: int, k: int, before: float, bypasse
     for j in range(3):
         m = run.moment[slot, k, j]
         part = run.start_moment[slot, k, j] * before + m[0] * g0 + m[1] * g1 + m[2] * g2
+        run.row[j] = part
         gain[VOLTAGE_TIME] += n * part
         gain[ELECTRICAL] += n * part * at[TOTAL, j]
         gain[SIDE_HEAT] += n * part * at[SIDE, j]
@@ -102,6 +103,6 @@ def _finish_pair(cell: Cell, run: Run, slot: int, k: int, before: float, bypasse
         mean += RADAU[2, j] * run.conductance[k, j]
     heat = mean * squared
     for j in range(3):
-        heat += h * RADAU[2, j] * run.value[k, j] ** 2 * (run.conductance[k, j] - mean)
+        heat += run.row[j] * run.value[k, j] * (run.conductance[k, j] - mean)
     gain[PAIR_HEAT + k] = n * heat
     return float(n * heat)
