@@ -9,7 +9,8 @@ from pipeline.charge.records import ChargeSettings, EngineSettings, Mode
 from pipeline.charge.simulate import BENCH, simulate
 
 CONF = Path(__file__).parents[2] / "conf"
-ENGINE = EngineSettings()
+# A charge that needs more steps than this has gone wrong.
+ENGINE = EngineSettings(maximum_steps=2_000_000)
 
 
 def load(path):

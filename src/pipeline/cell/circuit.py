@@ -129,6 +129,6 @@ def enthalpy(cell: Cell, x: float) -> float:
     Its slope with charge is U - T dU/dT, which no temperature enters, or the measured thermoneutral voltage.
     """
     if cell.thermoneutral == 1:
-        return -cell.charge_as * cell.thermoneutral_v * x
+        return float(-cell.charge_as * cell.thermoneutral_v * x)
     free = integral(cell, OPEN_CIRCUIT, x)
-    return cell.charge_as * (free - REFERENCE_K * integral(cell, ENTROPIC, x))
+    return float(cell.charge_as * (free - REFERENCE_K * integral(cell, ENTROPIC, x)))
