@@ -33,13 +33,13 @@ def correct(cell: Cell, run: Run, slot: int, control: int, bypassed: bool) -> No
         with_x = run.depth_slope[OPEN_SLOPE, j] + run.depth_slope[ETA_BY_DEPTH, j]
         for n in range(3):
             # Through the forcing of node n: by its current, and by its x in every forcing that depends on it.
-            run.row[n] = 0.0
-            m[j, n] = 0.0
+            by_current, by_depth = 0.0, 0.0
             for k in range(cell.pairs + cell.acceptance):
                 if not (bypassed and k == cell.pairs):
-                    m[j, n] += run.node[slot, k, j, n] * run.resistance[k, n]
-                    run.row[n] += run.node[slot, k, j, n] * run.slope[k, n]
-            run.row[n] *= at[MAIN, n]
+                    by_current += run.node[slot, k, j, n] * run.resistance[k, n]
+                    by_depth += run.node[slot, k, j, n] * run.slope[k, n]
+            m[j, n] = by_current
+            run.row[n] = by_depth * at[MAIN, n]
         for n in range(3):
             drift = RADAU[0, n] * run.row[0] + RADAU[1, n] * run.row[1] + RADAU[2, n] * run.row[2]
             m[j, n] -= per_charge * (with_x * RADAU[j, n] + drift)

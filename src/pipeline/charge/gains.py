@@ -35,30 +35,34 @@ from pipeline.jit import inlined
 def finish(cell: Cell, run: Run, slot: int, bypassed: bool, ambient_k: float) -> None:
     """Write the state at the end and what the step adds, exact for quadratic currents and exponential voltages."""
     at, gain, end, state = run.at, run.gain, run.end, run.state
-    h = run.length_s[slot]
-    for row in range(PAIR_HEAT + cell.pairs + cell.acceptance):
-        gain[row] = 0.0
-    n = cell.cells
-    drawn = 0.0
+    h, n = run.length_s[slot], cell.cells
+    # Sums in local names: the record's own cells would be stored and loaded again at every addition.
+    main_as = total_as = side_as = voltage_vs = electrical = series = transfer = reversible = side_heat = warm_ks = 0.0
     for j in range(3):
         b = h * RADAU[2, j]
-        slow_v = at[SLOW_V, j] + at[ETA, j]
-        total = at[MAIN, j] + at[SIDE, j]
+        main, side, ohm = at[MAIN, j], at[SIDE, j], at[OHM, j]
+        slow_v, total = at[SLOW_V, j] + at[ETA, j], at[MAIN, j] + at[SIDE, j]
         at[TOTAL, j] = total
-        drawn += b * at[MAIN, j]
-        gain[CHARGE] += b * total
-        gain[SIDE_CHARGE] += b * at[SIDE, j]
-        gain[VOLTAGE_TIME] += n * b * (slow_v + at[OHM, j] * total)
-        gain[ELECTRICAL] += n * b * (slow_v + at[OHM, j] * total) * total
-        gain[SERIES_HEAT] += n * b * at[OHM, j] * total * total
-        gain[TRANSFER_HEAT] += n * b * at[ETA, j] * at[MAIN, j]
-        gain[REVERSIBLE_HEAT] += n * b * at[REVERSIBLE, j]
-        gain[SIDE_HEAT] += n * b * at[SIDE, j] * slow_v
-        gain[TO_AMBIENT] += b * (at[T, j] - ambient_k) / cell.thermal_resistance_k_w
-    end[DEPTH] = state[DEPTH] - drawn / cell.charge_as
+        main_as += b * main
+        total_as += b * total
+        side_as += b * side
+        voltage_vs += b * (slow_v + ohm * total)
+        electrical += b * (slow_v + ohm * total) * total
+        series += b * ohm * total * total
+        transfer += b * at[ETA, j] * main
+        reversible += b * at[REVERSIBLE, j]
+        side_heat += b * side * slow_v
+        warm_ks += b * (at[T, j] - ambient_k)
+    end[DEPTH] = state[DEPTH] - main_as / cell.charge_as
     pair_heat = 0.0
     for k in range(cell.pairs + cell.acceptance):
-        pair_heat += _finish_pair(cell, run, slot, k, state[RELAXATIONS + k], bypassed and k == cell.pairs)
+        through = bypassed and k == cell.pairs
+        heat, part_vs, part_j, part_side = _finish_pair(cell, run, slot, k, state[RELAXATIONS + k], through)
+        gain[PAIR_HEAT + k] = n * heat
+        pair_heat += heat
+        voltage_vs += part_vs
+        electrical += part_j
+        side_heat += part_side
     if cell.recombination == 1:
         k = cell.relaxations - 1
         w = run.node[slot, k, 2]
@@ -66,43 +70,48 @@ def finish(cell: Cell, run: Run, slot: int, bypassed: bool, ambient_k: float) ->
         end[RELAXATIONS + k] = (
             run.decay[slot, k, 2] * before + w[0] * at[SIDE, 0] + w[1] * at[SIDE, 1] + w[2] * at[SIDE, 2]
         )
-        gain[SIDE_HEAT] -= n * cell.gas_v * cell.tau_s[k] * (end[RELAXATIONS + k] - before)
-    heat = gain[SERIES_HEAT] + gain[TRANSFER_HEAT] + gain[REVERSIBLE_HEAT] + gain[SIDE_HEAT] + pair_heat
-    end[TEMPERATURE] = state[TEMPERATURE] + (heat - gain[TO_AMBIENT]) / cell.heat_capacity_j_k
+        side_heat -= cell.gas_v * cell.tau_s[k] * (end[RELAXATIONS + k] - before)
+    to_ambient = warm_ks / cell.thermal_resistance_k_w
+    heat = n * (series + transfer + reversible + side_heat + pair_heat)
+    end[TEMPERATURE] = state[TEMPERATURE] + (heat - to_ambient) / cell.heat_capacity_j_k
+    gain[CHARGE], gain[SIDE_CHARGE], gain[TO_AMBIENT] = total_as, side_as, to_ambient
+    gain[VOLTAGE_TIME], gain[ELECTRICAL] = n * voltage_vs, n * electrical
+    gain[SERIES_HEAT], gain[TRANSFER_HEAT] = n * series, n * transfer
+    gain[REVERSIBLE_HEAT], gain[SIDE_HEAT] = n * reversible, n * side_heat
 
 
 @inlined
-def _finish_pair(cell: Cell, run: Run, slot: int, k: int, before: float, bypassed: bool) -> float:
-    """Advance one pair and add its work and heat; return its heat [J] for the battery.
+def _finish_pair(
+    cell: Cell, run: Run, slot: int, k: int, before: float, bypassed: bool
+) -> tuple[float, float, float, float]:
+    """Advance one pair of one cell over the step.
 
     int v^2 dt = int v g dt - (tau/2) change of v^2; what the slow factor 1/R changes over the step meets
     v exactly once and once by its values at the nodes.
+
+    Returns
+    -------
+    Its heat [J], the integral of its voltage [V s], its energy from the total current and from the side current [J].
     """
-    at, gain, n = run.at, run.gain, cell.cells
+    at = run.at
     if bypassed:
         run.end[RELAXATIONS + k] = 0.0
-        return 0.0
-    g0, g1, g2 = (
-        run.resistance[k, 0] * at[MAIN, 0],
-        run.resistance[k, 1] * at[MAIN, 1],
-        run.resistance[k, 2] * at[MAIN, 2],
-    )
-    w = run.node[slot, k, 2]
-    after = run.decay[slot, k, 2] * before + w[0] * g0 + w[1] * g1 + w[2] * g2
+        return 0.0, 0.0, 0.0, 0.0
+    g0 = run.resistance[k, 0] * at[MAIN, 0]
+    g1 = run.resistance[k, 1] * at[MAIN, 1]
+    g2 = run.resistance[k, 2] * at[MAIN, 2]
+    w, decay, s, m = run.node[slot, k, 2], run.decay[slot, k, 2], run.start_moment[slot, k], run.moment[slot, k]
+    after = decay * before + w[0] * g0 + w[1] * g1 + w[2] * g2
     run.end[RELAXATIONS + k] = after
-    squared = -0.5 * cell.tau_s[k] * (after * after - before * before)
-    mean = 0.0
-    for j in range(3):
-        m = run.moment[slot, k, j]
-        part = run.start_moment[slot, k, j] * before + m[0] * g0 + m[1] * g1 + m[2] * g2
-        run.row[j] = part
-        gain[VOLTAGE_TIME] += n * part
-        gain[ELECTRICAL] += n * part * at[TOTAL, j]
-        gain[SIDE_HEAT] += n * part * at[SIDE, j]
-        squared += part * run.resistance[k, j] * at[MAIN, j]
-        mean += RADAU[2, j] * run.conductance[k, j]
-    heat = mean * squared
-    for j in range(3):
-        heat += run.row[j] * run.value[k, j] * (run.conductance[k, j] - mean)
-    gain[PAIR_HEAT + k] = n * heat
-    return float(n * heat)
+    # Integral of the voltage times the basis function of each node.
+    v0 = s[0] * before + m[0, 0] * g0 + m[0, 1] * g1 + m[0, 2] * g2
+    v1 = s[1] * before + m[1, 0] * g0 + m[1, 1] * g1 + m[1, 2] * g2
+    v2 = s[2] * before + m[2, 0] * g0 + m[2, 1] * g1 + m[2, 2] * g2
+    squared = v0 * g0 + v1 * g1 + v2 * g2 - 0.5 * cell.tau_s[k] * (after * after - before * before)
+    c0, c1, c2 = run.conductance[k, 0], run.conductance[k, 1], run.conductance[k, 2]
+    mean = RADAU[2, 0] * c0 + RADAU[2, 1] * c1 + RADAU[2, 2] * c2
+    value = run.value[k]
+    heat = mean * squared + (v0 * value[0] * (c0 - mean) + v1 * value[1] * (c1 - mean) + v2 * value[2] * (c2 - mean))
+    electrical = v0 * at[TOTAL, 0] + v1 * at[TOTAL, 1] + v2 * at[TOTAL, 2]
+    side = v0 * at[SIDE, 0] + v1 * at[SIDE, 1] + v2 * at[SIDE, 2]
+    return heat, v0 + v1 + v2, electrical, side

@@ -59,10 +59,29 @@ def circuit_at(cell: Cell, run: Run, j: int) -> None:
     at[OHM, j], slope[OHM_SLOPE, j] = value_and_slope(cell, SERIES, x)
     for k in range(cell.pairs):
         run.resistance[k, j], run.slope[k, j] = value_and_slope(cell, FIRST_PAIR + k, x)
+        run.inverse[k, j] = 1.0 / run.resistance[k, j] if run.resistance[k, j] > 0.0 else 0.0
     if cell.acceptance == 1:
         k = cell.pairs
+        run.inverse[k, j] = x / cell.acceptance_ohm
         run.resistance[k, j] = cell.acceptance_ohm / x
         run.slope[k, j] = -run.resistance[k, j] / x
+        run.bend[k] = -2.0 * run.slope[k, j] / x
+
+
+@inlined
+def circuit_near(cell: Cell, run: Run, j: int) -> None:
+    """Do as `circuit_at` for a moment so near the start that straight lines from there serve."""
+    at, slope = run.at, run.depth_slope
+    moved, warmed = at[X, j] - at[X, START], at[T, j] - at[T, START]
+    at[ENTROPY, j] = at[ENTROPY, START]
+    at[SLOW_V, j] = at[SLOW_V, START] + slope[OPEN_SLOPE, START] * moved + at[ENTROPY, START] * warmed
+    at[OHM, j] = at[OHM, START] + slope[OHM_SLOPE, START] * moved
+    slope[OPEN_SLOPE, j], slope[OHM_SLOPE, j] = slope[OPEN_SLOPE, START], slope[OHM_SLOPE, START]
+    for k in range(cell.pairs + cell.acceptance):
+        run.resistance[k, j] = run.resistance[k, START] + run.slope[k, START] * moved
+        run.slope[k, j] = run.slope[k, START] + run.bend[k] * moved
+        inverse = run.inverse[k, START]
+        run.inverse[k, j] = inverse - inverse * inverse * run.slope[k, START] * moved
 
 
 @inlined
@@ -111,6 +130,13 @@ def solve_start(cell: Cell, run: Run, control: int, target: float, guess: float)
         relaxed += state[RELAXATIONS + k]
         run.value[k, START] = state[RELAXATIONS + k]
     at[MAIN, START] = guess
+    if control == CURRENT_CONTROL and cell.transfer == 0:
+        # The side current does not depend on the main one.
+        residual, _ = finish_moment(cell, run, START, relaxed, control, target)
+        at[MAIN, START] -= residual
+        at[TOTAL, START] = target
+        at[TERMINAL_V, START] = at[NODE_V, START] + at[OHM, START] * target
+        return math.isfinite(residual)
     scale = abs(target) + 1e-9
     for _ in range(400):
         residual, slope = finish_moment(cell, run, START, relaxed, control, target)
@@ -148,10 +174,6 @@ def node_heat(cell: Cell, run: Run, j: int) -> float:
 @inlined
 def pair_conductance(cell: Cell, run: Run, k: int, j: int) -> float:
     """Return what turns v^2 into the heat of pair k: 1/R - (dC/dt)/2 with C = tau / R [S]."""
-    if run.resistance[k, j] <= 0.0:
-        return 0.0
-    conductance = 1.0 / run.resistance[k, j]
-    if run.slope[k, j] == 0.0:
-        return float(conductance)
-    drift = 0.5 * cell.tau_s[k] * run.slope[k, j] * conductance * run.at[MAIN, j] / cell.charge_as
-    return float((1.0 - drift) * conductance)
+    inverse = run.inverse[k, j]
+    drift = 0.5 * cell.tau_s[k] * run.slope[k, j] * inverse * run.at[MAIN, j] * cell.per_as
+    return float((1.0 - drift) * inverse)

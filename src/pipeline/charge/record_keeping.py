@@ -91,12 +91,12 @@ def add_step(run: Run, book: Book, length_s: float) -> None:
         sums[SUPPLY_LIMITED_S] += length_s
     for n in range(len(gain)):
         book.recent_gains[n] += gain[n]
-    for j in range(4):
-        extremes[LOWEST_V] = min(extremes[LOWEST_V], at[TERMINAL_V, j])
-        extremes[HIGHEST_V] = max(extremes[HIGHEST_V], at[TERMINAL_V, j])
-        extremes[LOWEST_A] = min(extremes[LOWEST_A], at[TOTAL, j])
-        extremes[HIGHEST_A] = max(extremes[HIGHEST_A], at[TOTAL, j])
-        book.peak_k[0] = max(book.peak_k[0], at[T, j])
+    v, a, t = at[TERMINAL_V], at[TOTAL], at[T]
+    extremes[LOWEST_V] = min(extremes[LOWEST_V], min(min(v[0], v[1]), min(v[2], v[3])))
+    extremes[HIGHEST_V] = max(extremes[HIGHEST_V], max(max(v[0], v[1]), max(v[2], v[3])))
+    extremes[LOWEST_A] = min(extremes[LOWEST_A], min(min(a[0], a[1]), min(a[2], a[3])))
+    extremes[HIGHEST_A] = max(extremes[HIGHEST_A], max(max(a[0], a[1]), max(a[2], a[3])))
+    book.peak_k[0] = max(book.peak_k[0], max(max(t[0], t[1]), max(t[2], t[3])))
 
 
 @inlined

@@ -160,6 +160,31 @@ def guard_at(cell: Cell, run: Run, demand: Demand, limits: NDArray[np.float64], 
 
 
 @inlined
+def clear(cell: Cell, run: Run, demand: Demand, limits: NDArray[np.float64]) -> bool:
+    """Tell whether a step under current control keeps clear of every guard: one look in place of three times twelve."""
+    if run.control != CURRENT_CONTROL or run.bypassed == 1:
+        return False
+    x, v, t, value = run.at[X], run.at[TERMINAL_V], run.at[T], run.value[cell.pairs]
+    highest_v = max(v[0], max(v[1], v[2]))
+    allowed_v = min(limits[1], limits[5]) * (1.0 - _ROUNDING)
+    if demand.charging:
+        allowed_v = min(allowed_v, demand.limit_v)
+        if cell.cells * highest_v * demand.current_a > demand.power_w:
+            return False
+    return bool(
+        highest_v <= allowed_v
+        and min(x[0], min(x[1], x[2])) >= max(limits[0], max(limits[4], limits[8]))
+        and max(t[0], max(t[1], t[2])) <= min(limits[3], limits[7])
+        and (cell.acceptance == 0 or min(value[0], min(value[1], value[2])) >= 0.0)
+    )
+
+
+@inlined
+def _fourth_root(value: float) -> float:
+    return math.sqrt(math.sqrt(value))
+
+
+@inlined
 def guard(cell: Cell, run: Run, demand: Demand, limits: NDArray[np.float64]) -> tuple[float, int]:
     """Return the nearest guard over the nodes of the step just taken."""
     least, what = guard_at(cell, run, demand, limits, 2)
@@ -282,14 +307,16 @@ def advance(
         fine = try_step(cell, run, demand, ambient_k, length_s)
         error = step_error(cell, run, length_s, run.bypassed == 1) / tolerance if fine else 1e8
         if not error < 1.0:
-            length_s *= max(0.1, 0.8 * error**-0.25) if math.isfinite(error) else 0.1
+            length_s *= max(0.1, 0.8 / _fourth_root(error)) if math.isfinite(error) else 0.1
             if length_s < 1e-200:
                 return 0.0, FAILED, 1.0
             continue
-        gap, what = guard(cell, run, demand, limits)
+        gap, what = 0.0, NOTHING
+        if not clear(cell, run, demand, limits):
+            gap, what = guard(cell, run, demand, limits)
         if gap >= 0.0:
             remember(run, length_s)
-            return length_s, NOTHING, min(4.0, 0.8 * (error + 1e-12) ** -0.25)
+            return length_s, NOTHING, min(4.0, 0.8 / _fourth_root(error + 1e-12))
         found, what = locate(cell, run, demand, limits, ambient_k, length_s)
         if what == FAILED:
             length_s *= 0.25

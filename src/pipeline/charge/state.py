@@ -61,6 +61,8 @@ RUN = np.dtype(
         ("value", np.float64, (MOST_RELAXATIONS, 4)),
         ("resistance", np.float64, (MOST_RELAXATIONS, 4)),
         ("slope", np.float64, (MOST_RELAXATIONS, 4)),
+        ("inverse", np.float64, (MOST_RELAXATIONS, 4)),
+        ("bend", np.float64, (MOST_RELAXATIONS,)),
         ("conductance", np.float64, (MOST_RELAXATIONS, 4)),
         ("depth_slope", np.float64, (3, 4)),
         ("jacobian", np.float64, (3, 3)),

@@ -16,15 +16,18 @@ from pipeline.cell.circuit import Cell
 from pipeline.cell.relaxation import RADAU
 from pipeline.charge.correction import correct
 from pipeline.charge.gains import finish
-from pipeline.charge.moment import circuit_at, finish_moment, node_heat
+from pipeline.charge.moment import circuit_at, circuit_near, finish_moment, node_heat
 from pipeline.charge.state import (
+    CURRENT_CONTROL,
     DEPTH,
     HEAT,
     MAIN,
     RELAXATIONS,
     SIDE,
+    SIDE_SLOPE,
     TEMPERATURE,
     TERMINAL_V,
+    TOTAL,
     VOLTAGE_CONTROL,
     Run,
     T,
@@ -34,8 +37,12 @@ from pipeline.jit import inlined, kernel
 
 _ITERATIONS = 14
 # Corrections after which an iteration ends: the next would be their square; node temperatures act on voltages only.
-_NEWTON = 1e-8
+_NEWTON = 1e-6
 _WARMING_K = 1e-6
+_WEAK = 1e-3
+_ROUNDING = 1e-9
+# Share of 1 - SOC that a step may move for straight lines to follow every curve, its square being nothing.
+_NEAR = 1e-5
 
 
 @kernel
@@ -61,12 +68,16 @@ def integrate(
     per_charge = h / cell.charge_as
     voltages = cell.pairs + cell.acceptance
     for _ in range(_ITERATIONS):
+        near = per_charge * _largest(at[MAIN]) < _NEAR * state[DEPTH]
         for j in range(3):
             drawn = RADAU[j, 0] * at[MAIN, 0] + RADAU[j, 1] * at[MAIN, 1] + RADAU[j, 2] * at[MAIN, 2]
             at[X, j] = state[DEPTH] - per_charge * drawn
             if not at[X, j] > 0.0:
                 return False
-            circuit_at(cell, run, j)
+            if near:
+                circuit_near(cell, run, j)
+            else:
+                circuit_at(cell, run, j)
             for k in range(voltages):
                 run.forcing[k, j] = run.resistance[k, j] * at[MAIN, j]
         if bypassed:
@@ -85,8 +96,11 @@ def integrate(
                 )
                 relaxed += run.value[k, j]
             run.residual[j], _ = finish_moment(cell, run, j, relaxed, control, target)
-        correct(cell, run, slot, control, bypassed)
-        largest = _largest(at[MAIN]) + 1e-300
+        weak = control == CURRENT_CONTROL and cell.transfer == 0 and _coupling(cell, run, slot) < _WEAK
+        if not weak:
+            correct(cell, run, slot, control, bypassed)
+        # A main current far below the total is a difference of two that are not: known to their rounding only.
+        largest = _largest(at[MAIN]) + _ROUNDING * _largest(at[TOTAL]) + 1e-300
         for j in range(3):
             change = run.residual[j]
             if not math.isfinite(change):
@@ -127,6 +141,16 @@ def _heat_nodes(cell: Cell, run: Run, slot: int, ambient_k: float) -> float:
         largest = max(largest, abs(temperature - at[T, j]))
         at[T, j] = temperature
     return largest
+
+
+@inlined
+def _coupling(cell: Cell, run: Run, slot: int) -> float:
+    """Return about how much of a change of the main currents comes back through the side reaction."""
+    resistance = 0.0
+    for k in range(cell.pairs + cell.acceptance):
+        w = run.node[slot, k, 2]
+        resistance += (w[0] + w[1] + w[2]) * run.resistance[k, 2]
+    return float(resistance * _largest(run.at[SIDE_SLOPE]))
 
 
 @inlined
