@@ -13,6 +13,9 @@ from pipeline.config.study import study_from
 from pipeline.phases import drafts
 
 
+HOURLY = ("charge/same_peak/cv_reflex_hourly", "charge/same_mean/cv_reflex_hourly")
+
+
 def _keys(change: Callable[[dict[str, Any]], None], words: tuple[str, ...] = ()) -> dict[str, str]:
     """Return node -> digest of its settings, after a change to the composed tree."""
     composed = compose_tree(words)
@@ -45,7 +48,7 @@ def _swap_figures(tree: dict[str, Any]) -> None:
     ("change", "expected"),
     [
         (_same, set()),
-        (_swap_phases, {"charge/same_peak/cv_reflex_hourly", "charge/same_mean/cv_reflex_hourly", "ensemble"}),
+        (_swap_phases, {*HOURLY, "ensemble", "page"}),
         (_resource, {"page"}),
         (_swap_figures, {"page"}),
     ],
