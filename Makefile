@@ -4,7 +4,7 @@ VENV := .venv
 BIN := $(VENV)/bin
 CORES ?= 2
 
-.PHONY: all test test-slow lint bench setup setup-dev lock clean help
+.PHONY: all test test-slow lint bench accuracy setup setup-dev lock clean help
 
 all: setup ## run every study: results/ and reports/
 	$(BIN)/snakemake --cores $(CORES) all
@@ -24,6 +24,9 @@ lint: setup-dev ## style, types, workflow
 
 bench: setup-dev ## time the charge engine
 	$(BIN)/python benchmarks/edge.py
+
+accuracy: setup-dev ## the charge engine against a tight solve_ivp, three windows of 60 s
+	$(BIN)/python -m benchmarks.accuracy
 
 setup: $(VENV)/.runtime ## virtual environment with the runtime packages
 setup-dev: $(VENV)/.dev ## the same with the tools of development

@@ -12,7 +12,6 @@ from pipeline.config.compose import compose_tree
 from pipeline.config.study import study_from
 from pipeline.phases import drafts
 
-
 HOURLY = ("charge/same_peak/cv_reflex_hourly", "charge/same_mean/cv_reflex_hourly")
 
 
