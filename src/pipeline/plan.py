@@ -6,6 +6,7 @@ are the same node, whichever run asked for them.
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -165,7 +166,7 @@ def _evenly(keys: list[str], most: int) -> list[list[str]]:
     """Split keys into as few parts as `most` allows, of nearly the same length."""
     count = -(-len(keys) // most)
     bounds = [round(place * len(keys) / count) for place in range(count + 1)] if count else [0]
-    return [keys[start:end] for start, end in zip(bounds, bounds[1:], strict=False)]
+    return [keys[start:end] for start, end in itertools.pairwise(bounds)]
 
 
 def _publications(

@@ -18,8 +18,9 @@ Kind = Literal["published", "data_sheet", "derived", "estimate", "calibrated", "
 class Source(Record):
     """Where a value comes from.
 
-    `to` names the published statement, `<study>.<statement>`, that it or the model it enters was fitted to. `range` says over which values
-    an estimate is plausible, in the value's own unit; `same_as` names the key beside it whose value it follows there.
+    `to` names the published statement, `<study>.<statement>`, that it or the model it enters was fitted to. `range`
+    says over which values an estimate is plausible, in the value's own unit; `same_as` names the key beside it whose
+    value it follows there.
     """
 
     kind: Kind
