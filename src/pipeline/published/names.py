@@ -135,10 +135,10 @@ _TUNING = (
     "mean_mw2_s runs"
 )
 _SEARCH = (
-    "frequency_hz ise_mw2_s sweep_frequency_hz sweep_ise_mw2_s difference_from_sweep_hz {search}_frequency_hz "
+    "frequency_hz ise_mw2_s difference_from_sweep_hz {search}_frequency_hz "
     "{search}_frequency_mean_hz {search}_frequency_deviation_hz {search}_ise_mw2_s {search}_ise_mean_mw2_s "
     "{search}_iterations {search}_evaluations {search}_replicates {search}_iterations_to_within_1_hz "
-    "{search}_slowest_to_within_1_hz {search}_arrived_share {search}_final_distance_hz "
+    "{search}_arrived_share {search}_final_distance_hz "
     "iterations_{first}_over_{other}{end} distance_{first}_over_{other}{end}"
 )
 
