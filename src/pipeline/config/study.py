@@ -183,6 +183,10 @@ def _check_together(composed: Composed, study: Study) -> None:
             voltage = study.panel.max_power_voltage_v * study.panel.panels_in_series
             supply_checks.check(power, voltage, study.converter, study.load)
         searching.check(study)
+        tables = {path.stem for path in reference_tables()}
+        if study.design is not None and study.design.printed not in {None, *tables}:
+            printed = str(study.design.printed)
+            raise UserError(f"design.printed: no table {printed!r}; {best_matches(printed, tables)}")
         own = f"{study.study.name}."
         fitted = {source.to for source in study.sources.values() if source.to is not None}
         calibrated = {name.removeprefix(own) for name in fitted if name.startswith(own)}
