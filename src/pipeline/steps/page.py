@@ -28,7 +28,7 @@ def run(settings: Mapping[str, Any], inputs: Mapping[str, Path], output: Path) -
     study = settings["study"]
     page = PageContent(
         title=study["title"],
-        subtitle=f"{study['question']} {settings['battery']}.",
+        subtitle=" ".join([f"{study['question']} {settings['battery']}.", *_departure(settings["overrides"])]),
         paper=Paper(study["paper"], study["doi"]),
         verdicts=verdicts,
         figures=[_figure(card, inputs[f"figure/{card['name']}"]) for card in settings["figures"]],
@@ -41,6 +41,11 @@ def run(settings: Mapping[str, Any], inputs: Mapping[str, Path], output: Path) -
     (output / "tables").mkdir()
     for table in [*shown, report_tables.verdicts(verdicts), report_tables.parameters(listed)]:
         (output / "tables" / f"{table.name}.csv").write_text(report_tables.to_csv(table), encoding="utf-8")
+
+
+def _departure(overrides: list[str]) -> list[str]:
+    """Say in a sentence that a run is not the study's own, so that its verdicts are not taken for the paper's."""
+    return [f"This run departs from the study by {', '.join(overrides)}; so do its verdicts."] if overrides else []
 
 
 def _tables(data: ReportData, inputs: Mapping[str, Path]) -> list[ReportTable]:
