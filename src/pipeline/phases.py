@@ -3,60 +3,26 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping
-from dataclasses import dataclass, field
 from typing import Any
 
 from pipeline.charge.comparison import compared
 from pipeline.charge.records import Mode
 from pipeline.config.study import Study
+from pipeline.draft import Draft, needed, plain, with_found
 from pipeline.planfile import command
 from pipeline.published.records import needs
 from pipeline.record import Record
-
-
-@dataclass(frozen=True)
-class Draft:
-    """A node before it has a key.
-
-    `name` is unique in a run; `settings` is the node's own sub-tree; `inputs` maps the name under which the step
-    finds an input to the name of the node that makes it; `sections` are the key paths of the configuration the
-    node itself depends on; `shown` maps files of the artefact (`*`: all of them, names kept) to places in the
-    readable view, which is under `results/` or `reports/`; `modules` are those the step imports by a name that stands
-    in its settings.
-    """
-
-    step: str
-    name: str
-    label: str
-    settings: dict[str, Any]
-    inputs: dict[str, str] = field(default_factory=dict)
-    sections: tuple[str, ...] = ()
-    shown: dict[str, str] = field(default_factory=dict)
-    view: str = "results"
-    modules: tuple[str, ...] = ()
+from pipeline.search_phases import FINDERS, SECTION_OF, finders
 
 
 def drafts(study: Study) -> list[Draft]:
     """Return the nodes of a study, inputs before those that read them."""
-    nodes: list[Draft] = []
-    nodes += _supply(study)
-    nodes += _charges(study)
-    nodes += _ensemble(study)
+    nodes = [with_found(node) for node in (*_supply(study), *finders(study), *_charges(study), *_ensemble(study))]
+    nodes = needed(nodes, FINDERS)
     nodes += _verdicts(study, nodes)
     nodes += _figures(study, nodes)
     nodes += _page(study, nodes)
     return nodes
-
-
-def plain(value: Any) -> Any:
-    """Return a record, or a structure of records, as plain data."""
-    if isinstance(value, Record):
-        return value.model_dump(mode="json", by_alias=True)
-    if isinstance(value, dict):
-        return {key: plain(item) for key, item in value.items()}
-    if isinstance(value, list | tuple):
-        return [plain(item) for item in value]
-    return value
 
 
 def charge_name(comparison: str, mode: str) -> str:
@@ -218,17 +184,22 @@ def _calibrated(study: Study, nodes: list[Draft], names: set[str], statement: st
 
 
 def _figures(study: Study, nodes: list[Draft]) -> Iterator[Draft]:
+    made = {node.step for node in nodes}
     for identifier, card in study.figures.items():
+        if FINDERS & set(card.reads) - made:
+            continue
         inputs = {node.name: node.name for node in nodes if _wanted(node, card.reads, card.comparison)}
-        yield Draft(
-            "figures",
-            f"figure/{identifier}",
-            identifier,
-            {"id": identifier, "card": plain(card), **_labels(study)},
-            inputs=inputs,
-            shown={f"{identifier}.{kind}": f"figures/{identifier}.{kind}" for kind in ("svg", "png")},
-            view="reports",
-            modules=(f"pipeline.report.figures.{card.draw}",),
+        yield with_found(
+            Draft(
+                "figures",
+                f"figure/{identifier}",
+                identifier,
+                {"id": identifier, "card": plain(card), **_labels(study, knobs="modes" in card.reads)},
+                inputs=inputs,
+                shown={f"{identifier}.{kind}": f"figures/{identifier}.{kind}" for kind in ("svg", "png")},
+                view="reports",
+                modules=(f"pipeline.report.figures.{card.draw}",),
+            )
         )
 
 
@@ -238,10 +209,11 @@ def _wanted(node: Draft, reads: Iterable[str], comparison: str | None) -> bool:
     return node.step != "charge" or comparison is None or node.name.startswith(f"charge/{comparison}/")
 
 
-def _labels(study: Study) -> dict[str, Any]:
-    """What every reader of charges needs to name them: titles, and the modes as configured."""
+def _labels(study: Study, knobs: bool = False) -> dict[str, Any]:
+    """What every reader of charges needs to name them: titles, and where asked for the modes' knobs."""
     modes = [
-        {"name": name, "title": study.modes[name].title, "knobs": plain(study.modes[name].knobs)} for name in study.run
+        {"name": name, "title": study.modes[name].title, "knobs": plain(study.modes[name].knobs) if knobs else {}}
+        for name in study.run
     ]
     comparisons = [{"name": name, "title": comparison.title} for name, comparison in study.comparisons.items()]
     return {"modes": modes, "comparisons": comparisons}
@@ -252,9 +224,11 @@ def _named(records: Mapping[str, Record]) -> list[dict[str, Any]]:
     return [{"name": name, **plain(record)} for name, record in records.items()]
 
 
+_SHOWN = frozenset({"panel", "supply", "chaos", "objective", "tuning", "search", "charge", "verdicts", "figures"})
+
+
 def _page(study: Study, nodes: list[Draft]) -> Iterator[Draft]:
-    read = {node.name: node.name for node in nodes if node.step in ("panel", "supply", "charge", "verdicts", "figures")}
-    values = {path: value for section in study.parameter_sections() for path, value in study.parameters(section)}
+    drawn = {node.label for node in nodes if node.step == "figures"}
     yield Draft(
         "page",
         "page",
@@ -262,18 +236,27 @@ def _page(study: Study, nodes: list[Draft]) -> Iterator[Draft]:
         {
             "study": plain(study.study),
             "battery": study.battery.title,
-            "figures": _named(study.figures),
-            "parameters": [
-                {"path": path, "value": values[path], **plain(source)} for path, source in study.sources.items()
-            ],
+            "figures": _named({name: card for name, card in study.figures.items() if name in drawn}),
+            "parameters": _parameters(study, {node.step for node in nodes}),
             "command": command(study.study.name, study.overrides),
             "overrides": list(study.overrides),
             **_labels(study),
         },
-        inputs=read,
+        inputs={node.name: node.name for node in nodes if node.step in _SHOWN},
         shown={"*": ""},
         view="reports",
     )
+
+
+def _parameters(study: Study, steps: set[str]) -> list[dict[str, Any]]:
+    """Return every parameter with its source, without those of a search or tuning that is not run."""
+    left_out = [section for section, step in SECTION_OF.items() if step not in steps]
+    values = {path: value for section in study.parameter_sections() for path, value in study.parameters(section)}
+    return [
+        {"path": path, "value": values[path], **plain(source)}
+        for path, source in study.sources.items()
+        if not _below(path, left_out)
+    ]
 
 
 def _below(path: str, sections: Iterable[str]) -> bool:

@@ -15,12 +15,14 @@ from typing import Any
 from pipeline import digest
 from pipeline.config.compose import compose_tree
 from pipeline.config.study import Study, study_from
+from pipeline.draft import Draft, plain
 from pipeline.errors import UserError
-from pipeline.phases import Draft, drafts, plain
+from pipeline.phases import drafts
 from pipeline.planfile import STEPS, VERSION
 
 # Files a step reads beside its inputs, relative to the project; their content is part of the key.
 STEP_FILES: dict[str, tuple[str, ...]] = {
+    "tuning": ("conf/published/reference/*.csv",),
     "verdicts": ("conf/published/reference/*.csv",),
     "figures": ("src/pipeline/report/*.mplstyle",),
     "page": ("src/pipeline/report/templates/*", "conf/published/reference/*.csv"),
@@ -29,6 +31,10 @@ STEP_FILES: dict[str, tuple[str, ...]] = {
 CHUNK_SIZE = {
     "panel": (1, 16),
     "supply": (1, 64),
+    "chaos": (1, 8),
+    "objective": (1, 32),
+    "tuning": (1, 4),
+    "search": (1, 8),
     "charge": (1, 12),
     "verdicts": (1, 32),
     "figures": (7, 14),
@@ -37,6 +43,8 @@ CHUNK_SIZE = {
 PUBLISH_SIZE = 32
 TARGETS = {
     "panel": ("panel", "supply"),
+    "tuning": ("tuning",),
+    "search": ("chaos", "objective", "search"),
     "charges": ("charge",),
     "figures": ("figures",),
 }

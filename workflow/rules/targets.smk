@@ -4,6 +4,16 @@ rule panel:
         flow.target("panel"),
 
 
+rule tuning:
+    input:
+        flow.target("tuning"),
+
+
+rule search:
+    input:
+        flow.target("search"),
+
+
 rule charges:
     input:
         flow.target("charges"),

@@ -64,7 +64,9 @@ def _parser() -> argparse.ArgumentParser:
     parser.add_argument("-c", "--cores", default="2", help="cores Snakemake may use (%(default)s)")
     parser.add_argument("-n", "--dry-run", action="store_true", help="show what would run")
     parser.add_argument("-F", "--force", action="store_true", help="compute everything again and compare")
-    parser.add_argument("-t", "--target", default="all", help="all, panel, charges, figures, report, or a study")
+    parser.add_argument(
+        "-t", "--target", default="all", help="all, panel, tuning, search, charges, figures, report, or a study"
+    )
     parser.add_argument("--cfg", action="store_true", help="print the composed configuration and stop")
     return parser
 

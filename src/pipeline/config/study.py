@@ -13,17 +13,23 @@ from pipeline.cell.records import Battery
 from pipeline.charge import checks as charge_checks
 from pipeline.charge.ensemble import EnsembleSettings
 from pipeline.charge.records import ChargeSettings, EngineSettings, Mode
+from pipeline.config import searching
 from pipeline.config.compose import CONF, Composed, options
 from pipeline.config.messages import explain
 from pipeline.config.sources import Source, attribute, leaves, split
 from pipeline.converter import checks as supply_checks
 from pipeline.converter.records import Load, PowerChain
 from pipeline.errors import UserError, best_matches
+from pipeline.objective.records import ReflexFrequency
 from pipeline.panel.records import Panel, PanelCurveSettings, Weather
 from pipeline.published import checks as published_checks
+from pipeline.published.names import found_quantities
 from pipeline.published.records import Statement
 from pipeline.record import Record
 from pipeline.report.records import FigureCard
+from pipeline.search.records import ChaosSettings
+from pipeline.search.registry import AnySettings
+from pipeline.taguchi.records import Design
 
 # Targets of the workflow, and folders of results/ that are not studies.
 RESERVED = frozenset(
@@ -87,6 +93,11 @@ class Study(Record):
     charge: ChargeSettings
     engine: EngineSettings = EngineSettings()
     ensemble: EnsembleSettings = EnsembleSettings(samples=0)
+    chaos: ChaosSettings | None = None
+    objective: ReflexFrequency | None = Field(default=None, description="what a search minimises")
+    design: Design | None = Field(default=None, description="parameter design that tunes the search")
+    search: AnySettings | None = Field(default=None, description="the search whose result others may ask for")
+    oracle: AnySettings | None = Field(default=None, description="the sweep it is held against")
     figures: dict[str, FigureCard] = Field(default_factory=dict)
     published: dict[str, Statement] = Field(default_factory=dict)
     sources: dict[str, Source] = Field(default_factory=dict)
@@ -108,7 +119,13 @@ class Study(Record):
 def sections(modes_in_use: tuple[str, ...]) -> tuple[str, ...]:
     """Return the sections of the configuration that hold physical parameters, for the modes in use."""
     modes = tuple(f"modes.{name}" for name in modes_in_use)
-    return ("panel", "weather", "converter", "load", "battery", *modes, "charge.initial_soc", "charge.ambient_c")
+    charge = ("charge.initial_soc", "charge.ambient_c")
+    return (
+        *("panel", "weather", "converter", "load", "battery"),
+        *modes,
+        *charge,
+        *("objective", "design", "search", "oracle"),
+    )
 
 
 def study_from(composed: Composed) -> Study:
@@ -158,6 +175,10 @@ def _choose_modes(composed: Composed, values: dict[str, Any]) -> dict[str, Any]:
                 raise UserError(
                     f"{composed.origin(path)}: {path}: no mode {reference!r}; {best_matches(str(reference), known)}"
                 )
+    objective = values.get("objective")
+    searched = objective.get("mode") if isinstance(objective, Mapping) else None
+    if isinstance(searched, str) and searched in known:
+        wanted.append(searched)
     for name in run:
         if name not in known:
             raise UserError(
@@ -186,10 +207,16 @@ def _check_together(composed: Composed, study: Study) -> None:
             power = study.panel.approximate_power_w(study.weather.irradiance_w_m2, study.weather.cell_temperature_c)
             voltage = study.panel.max_power_voltage_v * study.panel.panels_in_series
             supply_checks.check(power, voltage, study.converter, study.load)
+        searching.check(study)
+        tables = {path.stem for path in reference_tables()}
+        if study.design is not None and study.design.printed not in {None, *tables}:
+            printed = str(study.design.printed)
+            raise UserError(f"design.printed: no table {printed!r}; {best_matches(printed, tables)}")
         own = f"{study.study.name}."
         fitted = {source.to for source in study.sources.values() if source.to is not None}
         calibrated = {name.removeprefix(own) for name in fitted if name.startswith(own)}
-        published_checks.check(study.published, _makeable(study), study.charge.soc_marks, calibrated)
+        marks, numbers = study.charge.soc_marks, _numbers(study)
+        published_checks.check(study.published, _makeable(study), marks, calibrated, numbers)
 
 
 def reference_tables() -> list[Path]:
@@ -201,7 +228,16 @@ def _makeable(study: Study) -> set[str]:
     """Return every input the study could make, also with modes that this run leaves out."""
     supplied = {"panel", "supply"} if study.panel is not None else set()
     charges = {f"charge/{comparison}/{mode}" for comparison in study.comparisons for mode in options("modes")}
+    supplied |= {name for name in ("chaos", "objective") if getattr(study, name) is not None}
+    supplied |= set(searching.found_values(study))
     return supplied | charges | {f"reference/{path.stem}" for path in reference_tables()}
+
+
+def _numbers(study: Study) -> dict[str, set[str]]:
+    """Return the named numbers that the steps of the search could find, also for modes that this run leaves out."""
+    bins = () if study.chaos is None else study.chaos.bins
+    factors = () if study.design is None else tuple(study.design.factors)
+    return found_quantities(bins, options("modes"), factors, searching.searches(study))
 
 
 @contextmanager

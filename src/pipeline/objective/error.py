@@ -12,9 +12,9 @@ from collections.abc import Callable
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from pipeline.objective.loss import frequency_loss_w
-from pipeline.objective.records import Pairs
-from pipeline.objective.waveform import Steps
+from pipeline.objective.loss import frequency_loss_w, switching_energy_j
+from pipeline.objective.records import Pairs, Problem
+from pipeline.objective.waveform import Steps, steps, switched_currents_a
 
 Array = NDArray[np.float64]
 MILLIWATT_PER_WATT = 1e3
@@ -37,3 +37,9 @@ def objective(period: Steps, pairs: Pairs, energy_j: float, window_s: float) -> 
         return integral_square_error(error_mw(period, pairs, energy_j, position[:, 0]), window_s)
 
     return evaluate
+
+
+def objective_of(problem: Problem) -> Callable[[Array], Array]:
+    """Return the function a search minimises, from its record."""
+    energy = switching_energy_j(problem.transistor, switched_currents_a(problem.waveform))
+    return objective(steps(problem.waveform), problem.pairs, energy, problem.window_s)

@@ -56,3 +56,12 @@ class Pairs(NamedTuple):
 
     resistance_ohm: tuple[float, ...]
     time_constant_s: tuple[float, ...]
+
+
+class Problem(Record):
+    """All that the integral square error depends on: what a search is given."""
+
+    waveform: Waveform
+    pairs: Pairs = Field(description="of the whole battery")
+    transistor: Transistor
+    window_s: float = Field(gt=0, description="length of the window over which e(t)^2 is integrated [s]")

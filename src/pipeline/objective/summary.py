@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from typing import NamedTuple
+import math
+from collections.abc import Mapping
 
 import numpy as np
 
@@ -12,15 +13,7 @@ from pipeline.objective.loss import breakdown, discharge_resistor_loss_w, switch
 from pipeline.objective.optimum import band_hz, optimal_frequency_hz
 from pipeline.objective.records import Pairs, ReflexFrequency, Waveform
 from pipeline.objective.waveform import steps, switched_currents_a
-
-
-class Quantity(NamedTuple):
-    """A named number with its unit and meaning."""
-
-    name: str
-    value: float
-    unit: str
-    description: str
+from pipeline.quantity import Quantity
 
 
 def quantities(
@@ -38,10 +31,7 @@ def quantities(
     period, energy = steps(waveform), switching_energy_j(settings.transistor, switched_currents_a(waveform))
     best = float(optimal_frequency_hz(period, pairs, energy))
     band = band_hz(period, pairs, energy, settings.band_share)
-    fast = int(np.argmin(pairs.time_constant_s))
-    resistance, capacitance = pairs.resistance_ohm[fast], pairs.time_constant_s[fast] / pairs.resistance_ohm[fast]
-    impedance = impedance_minimum_hz(settings.inductance_h, series_resistance_ohm, resistance, capacitance)
-    resonance = resonance_hz(settings.inductance_h, resistance, capacitance)
+    impedance, resonance = _of_impedance(settings.inductance_h, pairs, series_resistance_ohm)
     classic = settings.classic_frequency_hz
     found = [
         Quantity("optimal_frequency_hz", best, "Hz", "frequency of least loss, where its derivative is zero"),
@@ -57,15 +47,14 @@ def quantities(
             "power the discharge resistor turns to heat, at any frequency",
         ),
     ]
-    for name, frequency in (("optimum", best), ("classic", classic), ("impedance_minimum", impedance)):
-        if not 0.0 < frequency < np.inf:
-            continue
-        parts = breakdown(period, pairs, series_resistance_ohm, energy, frequency)
-        error = error_mw(period, pairs, energy, frequency)
-        ise = float(integral_square_error(error, settings.window_s))
-        place = {"optimum": "the optimum", "classic": "the classic rate", "impedance_minimum": "the least impedance"}[
-            name
-        ]
+    places = {
+        "optimum": (best, "the optimum"),
+        "classic": (classic, "the classic rate"),
+        "impedance_minimum": (impedance, "the least impedance"),
+    }
+    for name, (frequency, place) in places.items():
+        parts = breakdown(period, pairs, series_resistance_ohm, energy, frequency if frequency > 0.0 else np.nan)
+        ise = float(integral_square_error(error_mw(period, pairs, energy, parts["frequency_hz"][0]), settings.window_s))
         found += [
             Quantity(f"ise_at_{name}", ise, "mW2 s", f"integral square error at {place}"),
             Quantity(f"pair_ripple_at_{name}_w", float(parts["pair_ripple_w"][0]), "W", f"ripple in pairs at {place}"),
@@ -75,3 +64,33 @@ def quantities(
     mean = float(breakdown(period, pairs, series_resistance_ohm, energy, best)["mean_current_w"][0])
     found.append(Quantity("mean_current_w", mean, "W", "loss of the mean current in all resistances, at any frequency"))
     return found
+
+
+def of_modes(settings: ReflexFrequency, waveforms: Mapping[str, Waveform], pairs: Pairs) -> list[Quantity]:
+    """Return what the switches take and which frequency would be best, for each mode with pulses.
+
+    Arguments
+    ---------
+    settings : the objective, whose switches all modes use.
+    waveforms : mode -> its waveform.
+    pairs : the battery's pairs, whole battery.
+    """
+    found = []
+    for mode, waveform in waveforms.items():
+        energy = switching_energy_j(settings.transistor, switched_currents_a(waveform))
+        best = float(optimal_frequency_hz(steps(waveform), pairs, energy))
+        found += [
+            Quantity(f"switching_energy_{mode}_j", energy, "J", f"energy of the switches in a period of {mode}"),
+            Quantity(f"optimal_frequency_{mode}_hz", best, "Hz", f"frequency of least loss of {mode}"),
+        ]
+    return found
+
+
+def _of_impedance(inductance_h: float, pairs: Pairs, series_resistance_ohm: float) -> tuple[float, float]:
+    """Return the frequencies [Hz] of least and of real impedance with the fastest pair; NaN without a pair."""
+    if not pairs.time_constant_s:
+        return math.nan, math.nan
+    fast = int(np.argmin(pairs.time_constant_s))
+    resistance, capacitance = pairs.resistance_ohm[fast], pairs.time_constant_s[fast] / pairs.resistance_ohm[fast]
+    least = impedance_minimum_hz(inductance_h, series_resistance_ohm, resistance, capacitance)
+    return least, resonance_hz(inductance_h, resistance, capacitance)

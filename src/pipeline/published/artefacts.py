@@ -11,7 +11,7 @@ import numpy as np
 
 from pipeline import tables
 from pipeline.errors import UserError, best_matches
-from pipeline.published.names import SOURCES, kind
+from pipeline.published.names import NAMED, kind, source
 from pipeline.published.operands import Value
 
 Columns = dict[str, np.ndarray[Any, Any]]
@@ -59,8 +59,10 @@ class Lookup:
             if kind(artefact) == "reference":
                 self._read[artefact, name] = _read_csv(folder if folder.is_file() else folder / f"{name}.csv")
             else:
-                source = SOURCES[kind(artefact), name]
-                self._read[artefact, name] = tables.read(source.table, folder / source.file)
+                found = source(kind(artefact), name)
+                if found is None or not (folder / found.file).is_file():
+                    raise Unanswerable(f"{artefact}.{name} is not part of this run")
+                self._read[artefact, name] = tables.read(found.table, folder / found.file)
         return self._read[artefact, name]
 
     def number(self, value: Value) -> float:
@@ -76,10 +78,12 @@ class Lookup:
         return number
 
     def column(self, value: Value) -> np.ndarray[Any, Any]:
-        """Return a column over the rows chosen; a summary's quantities count as columns of one row."""
+        """Return a column over the rows chosen; named numbers count as columns of one row."""
         data = self.table(value.artefact, value.table)
-        if value.table == "summary":
+        if value.table in NAMED:
             found = data["value"][data["quantity"] == value.quantity]
+            if not len(found) and value.table != "summary":
+                raise Unanswerable(f"{value} is not part of this run")
             if not len(found):
                 raise _unknown(value, value.quantity, data["quantity"].tolist())
             return np.asarray(found)
@@ -87,14 +91,14 @@ class Lookup:
 
     def series(self, value: Value) -> tuple[np.ndarray[Any, Any], np.ndarray[Any, Any]]:
         """Return the time in s and a column over the rows chosen."""
-        source = SOURCES.get((kind(value.artefact), value.table))
-        if source is None or source.time is None:
+        declared = source(kind(value.artefact), value.table)
+        if declared is None or declared.time is None:
             raise UserError(f"{value}: table {value.table} has no column of time")
         data = self.table(value.artefact, value.table)
         rows = _chosen(value, data)
         if not rows.any():
             raise Unanswerable(f"{value} has no rows")
-        return data[source.time][rows], _column(value, value.quantity, data)[rows]
+        return data[declared.time][rows], _column(value, value.quantity, data)[rows]
 
     def samples(self) -> list[dict[Key, float]]:
         """Return what each sample of the ensemble found: (comparison, mode, quantity) -> number; none without one."""

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Collection, Iterable, Mapping
 
 from pipeline.errors import UserError, best_matches
-from pipeline.published.names import SOURCES, kind, summary_quantities, tables_of
+from pipeline.published.names import NAMED, kind, source, summary_quantities, tables_of
 from pipeline.published.operands import Value
 from pipeline.published.records import Statement, read_tables, read_values
 
@@ -15,6 +15,7 @@ def check(
     inputs: Collection[str],
     soc_marks: Iterable[float],
     calibrated_to: Collection[str] = (),
+    found: Mapping[str, Collection[str]] | None = None,
 ) -> None:
     """Refuse a statement that names something the study cannot make.
 
@@ -24,12 +25,13 @@ def check(
     inputs : every input the study could make, also those that this run leaves out.
     soc_marks : SOC marks of the charge settings; a summary has quantities for each.
     calibrated_to : identifiers that sources of parameters name.
+    found : kind of input -> names of the numbers in its table `quantities`; a kind left out is not checked.
 
     Raises
     ------
     UserError : an unknown input, mode, comparison, table, quantity or identifier, with the best matches.
     """
-    quantities = summary_quantities(soc_marks)
+    quantities = {"charge": summary_quantities(soc_marks), **(found or {})}
     for name, stated in statements.items():
         for value in read_values(stated):
             _check_table(name, f"{value.artefact}.{value.table}", inputs)
@@ -49,7 +51,7 @@ def _check_table(statement: str, path: str, inputs: Collection[str]) -> None:
     artefact, _, table = path.rpartition(".")
     if artefact not in inputs:
         raise UserError(f"published.{statement}: {_unknown_input(artefact, inputs)}")
-    if table not in tables_of(artefact):
+    if table not in tables_of(artefact) and source(kind(artefact), table) is None:
         raise UserError(
             f"published.{statement}: {artefact} has no table {table!r}; " + best_matches(table, tables_of(artefact))
         )
@@ -66,13 +68,14 @@ def _unknown_input(artefact: str, inputs: Collection[str]) -> str:
     return f"unknown input {artefact!r}; {best_matches(artefact, inputs)}"
 
 
-def _check_names(statement: str, value: Value, quantities: Collection[str]) -> None:
-    if kind(value.artefact) == "reference":
+def _check_names(statement: str, value: Value, quantities: Mapping[str, Collection[str]]) -> None:
+    declared = source(kind(value.artefact), value.table)
+    if declared is None:
         return
-    if value.table == "summary":
-        known, names = set(quantities), [value.quantity]
+    if value.table in NAMED:
+        known, names = set(quantities.get(kind(value.artefact), [value.quantity])), [value.quantity]
     else:
-        known = {column.name for column in SOURCES[kind(value.artefact), value.table].table.columns}
+        known = {column.name for column in declared.table.columns}
         names = [value.quantity, *value.where]
     for name in names:
         if name not in known:

@@ -25,8 +25,29 @@ FILES: dict[str, tuple[str, tables.Table]] = {
     "summary": ("summary.parquet", schemas.CHARGE_SUMMARY),
     "phases": ("phases.parquet", schemas.CHARGE_PHASES),
     "energy": ("energy.parquet", schemas.CHARGE_ENERGY),
+    "orbit": ("orbit.parquet", schemas.ORBIT),
+    "bifurcation": ("bifurcation.parquet", schemas.ORBIT),
+    "disorder": ("disorder.parquet", schemas.DISORDER),
+    "quantities": ("quantities.parquet", schemas.QUANTITIES),
+    "loss": ("loss.parquet", schemas.OBJECTIVE_LOSS),
+    "map": ("map.parquet", schemas.FREQUENCY_MAP),
+    "contour": ("contour.parquet", schemas.FREQUENCY_CONTOUR),
+    "factorial": ("factorial.parquet", schemas.TUNING_FACTORIAL),
+    "agreement": ("agreement.parquet", schemas.TUNING_AGREEMENT),
+    "statistics": ("statistics.parquet", schemas.SEARCH_STATISTICS),
+    "comparison": ("comparison.parquet", schemas.SEARCH_COMPARISON),
 }
 """Table name -> file inside its input's folder, and its declaration."""
+
+OF_EACH: dict[str, tables.Table] = {
+    "runs": schemas.TUNING_RUNS,
+    "levels": schemas.TUNING_LEVELS,
+    "sums": schemas.TUNING_SUMS,
+    "anova": schemas.TUNING_ANOVA,
+    "history": schemas.SEARCH_HISTORY,
+    "best": schemas.SEARCH_BEST,
+}
+"""Tables of which an input has several, called `<name>_<table>`: `rerun_levels`, `swarm_history`."""
 
 
 @dataclass(frozen=True)
@@ -43,7 +64,8 @@ class ReportData:
 
     Arguments
     ---------
-    inputs : input name -> folder: `panel`, `supply`, `charge/<comparison>/<mode>`.
+    inputs : input name -> folder: `panel`, `supply`, `chaos`, `objective`, `tuning`, `search`,
+        `charge/<comparison>/<mode>`.
     modes : mode name -> label, in the order of the run; the order decides colours and line styles.
     comparisons : comparison name -> title, in the order of the run.
     """
@@ -62,7 +84,7 @@ class ReportData:
         Arguments
         ---------
         source : input name.
-        name : one of `FILES`.
+        name : one of `FILES`, or a name of the configuration before one of `OF_EACH`, e.g. `swarm_history`.
 
         Raises
         ------
@@ -70,7 +92,7 @@ class ReportData:
         TableError : the file is not what was declared.
         """
         if (source, name) not in self._read:
-            file, declaration = FILES[name]
+            file, declaration = _file(name)
             self._read[source, name] = tables.read(declaration, self.inputs[source] / file)
         return self._read[source, name]
 
@@ -87,8 +109,24 @@ class ReportData:
         """Return a table of one charge."""
         return self.table(f"charge/{comparison}/{mode}", name)
 
+    def numbers(self, source: str) -> dict[str, float]:
+        """Return the named numbers that a step found, without those that have no value."""
+        return _named(self.table(source, "quantities"))
+
     def quantities(self, comparison: str, mode: str) -> dict[str, float]:
         """Return the numbers of a charge's summary by name, without those it did not get to."""
-        summary = self.charge(comparison, mode, "summary")
-        pairs = zip(summary["quantity"], summary["value"], strict=True)
-        return {str(name): float(value) for name, value in pairs if value is not None and np.isfinite(value)}
+        return _named(self.charge(comparison, mode, "summary"))
+
+
+def _named(columns: Columns) -> dict[str, float]:
+    pairs = zip(columns["quantity"], columns["value"], strict=True)
+    return {str(name): float(value) for name, value in pairs if value is not None and np.isfinite(value)}
+
+
+def _file(name: str) -> tuple[str, tables.Table]:
+    if name in FILES:
+        return FILES[name]
+    of, _, part = name.rpartition("_")
+    if not of or part not in OF_EACH:
+        raise KeyError(name)
+    return f"{of}.{part}.parquet", OF_EACH[part]

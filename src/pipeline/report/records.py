@@ -52,7 +52,9 @@ class FigureCard(Record):
     paper: str = Field(default="", description="its number in the paper; empty for a figure of our own")
     title: str = Field(min_length=1, description="title, for people")
     caption: str = Field(min_length=1, description="what it shows; also its text for those who cannot see it")
-    reads: tuple[Literal["panel", "supply", "charge"], ...] = Field(description="the phases whose artefacts it reads")
+    reads: tuple[Literal["modes", "panel", "supply", "chaos", "objective", "tuning", "search", "charge"], ...] = Field(
+        description="the steps whose artefacts it reads; modes: the knobs of the modes"
+    )
     comparison: str | None = Field(default=None, description="the only comparison it shows; all of them without")
     options: dict[str, Any] = Field(default_factory=dict, description="what the drawing module lets one choose")
 

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from typing import Any, NamedTuple, Self
 
 import numpy as np
 from numpy.typing import NDArray
-from pydantic import Field, model_validator
+from pydantic import Field, ValidationError, model_validator
 
 from pipeline.record import Record
 
@@ -31,6 +31,25 @@ class SearchSettings(Record):
     title: str = Field(min_length=1, description="name of the search, for people")
     variables: dict[str, Interval] = Field(min_length=1, description="the box: variable -> range")
     replicates: int = Field(default=1, ge=1, description="independent searches, each with a random stream of its own")
+    variants: dict[str, dict[str, Any]] = Field(
+        default_factory=dict, description="searches run beside this one: name -> settings that differ"
+    )
+
+    @model_validator(mode="after")
+    def _variants_read(self) -> Self:
+        for name in self.variants:
+            try:
+                self.variant(name)
+            except ValidationError as error:
+                first = error.errors(include_url=False)[0]
+                key = ".".join(str(part) for part in first["loc"])
+                raise ValueError(f"variants.{name}.{key}: {first['msg']} (value {first['input']!r})") from None
+        return self
+
+    def variant(self, name: str) -> Self:
+        """Return the settings of a search that is run beside this one."""
+        own = self.model_dump(by_alias=True, exclude={"variants"})
+        return type(self).model_validate(own | self.variants[name])
 
     def box(self) -> Box:
         """Return the box as arrays, the variables in the order in which they are written."""

@@ -12,6 +12,7 @@ from pipeline.report import tables as report_tables
 from pipeline.report.data import ReportData
 from pipeline.report.pages import PageContent, PageFigure, Paper, render
 from pipeline.report.parameters import parameters
+from pipeline.report.search_tables import search_tables
 from pipeline.report.tables import ReportTable
 from pipeline.steps.labels import report_data
 
@@ -51,7 +52,7 @@ def _tables(data: ReportData, inputs: Mapping[str, Path]) -> list[ReportTable]:
     shown = [report_tables.charges(data), report_tables.energy(data)]
     if "panel" in inputs:
         shown.insert(0, report_tables.table_1(data, REFERENCE / "solar_table1.csv"))
-    return shown
+    return shown + search_tables(data, REFERENCE)
 
 
 def _verdicts(inputs: Mapping[str, Path]) -> dict[str, Any]:

@@ -17,6 +17,9 @@ class Design(Record):
     array: str | tuple[tuple[int, ...], ...] = Field(
         description="a row per run, in it the number of each factor's level from 1; or a standard array, `L16(4^5)`"
     )
+    printed: str | None = Field(
+        default=None, description="table of a paper's results for these factors, in conf/published/reference"
+    )
     replicates: int = Field(ge=1, description="searches per run of the array, each with a random stream of its own")
     factorial_replicates: int = Field(
         ge=0, description="searches per combination of the full factorial that checks the array; 0: none"

@@ -1,0 +1,13 @@
+"""The values a step found for others, which `{from: step, value: name}` asks for."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping
+from pathlib import Path
+
+
+def write(values: Mapping[str, float], output: Path) -> None:
+    """Write found values where `store.found_value` reads them."""
+    text = json.dumps(dict(values), indent=1, sort_keys=True, allow_nan=False)
+    (output / "found.json").write_text(text + "\n", encoding="utf-8")
