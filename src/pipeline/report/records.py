@@ -88,8 +88,8 @@ class FigureCard(Record):
         Literal["modes", "system", "algorithm", "panel", "supply", "chaos", "objective", "tuning", "search", "charge"],
         ...,
     ] = Field(
-        description="the steps whose artefacts it reads; modes: the knobs of the modes; system: panel, converters, load "
-        "and battery as configured; algorithm: the settings of the search"
+        description="the steps whose artefacts it reads; modes: the knobs of the modes; system: panel, converters, "
+        "load and battery as configured; algorithm: the settings of the search"
     )
     comparison: str | None = Field(default=None, description="the only comparison it shows; all of them without")
     options: dict[str, Any] = Field(default_factory=dict, description="what the drawing module lets one choose")
