@@ -33,7 +33,7 @@ def draw(figure: FigureCard, data: ReportData) -> Figure:
     options = figure.chosen()
     assert isinstance(options, CircuitOptions)
     system = data.settings.get("system", {})
-    drawing = style.figure(3.3)
+    drawing = style.figure(2.8)
     axes = drawing.subplots()
     axes.set_axis_off()
     if not system.get("panel"):
@@ -82,7 +82,7 @@ def _circuit(
     circuit.text((2.5, 4.75), f"boost, efficiency {converter['boost']['efficiency']:g}")
     circuit.part("Line", "bus", (5.0, 4.0), (7.0, 4.0))
     circuit.part("RBox", "load", (7.0, 4.0), (7.0, 0.0))
-    circuit.text((7.5, 2.0), f"{load['title']}\n{load['power_w']:g} W", "left")
+    circuit.text((7.5, 2.0), load["title"].replace(" ", "\n") + f"\n{load['power_w']:g} W", "left")
     circuit.text((6.0, 4.75), f"bus {converter['bus_voltage_v']:g} V")
     circuit.switch("s2", "s2", (7.0, 4.0), (9.8, 4.0), "s2" in closed, "S2")
     circuit.part("Diode", "buck", (9.8, 0.0), (9.8, 4.0))
@@ -97,9 +97,8 @@ def _circuit(
     circuit.part("Line", "battery", (14.6, 4.0), (17.0, 4.0))
     circuit.part("Battery", "battery", (17.0, 0.0), (17.0, 4.0))
     circuit.text((17.9, 2.0), battery["title"].replace(" ", "\n", 1), "left")
-    for parts, left, right in (("boost", 0.0, 5.0), ("bus", 5.0, 7.0), ("buck", 7.0, 12.2), ("s3", 12.2, 14.6),
-                               ("battery", 14.6, 17.0)):  # fmt: skip
-        circuit.part("Line", parts, (left, 0.0), (right, 0.0))
+    for part, left, right in (("source", 0.0, 14.6), ("battery", 14.6, 17.0)):
+        circuit.part("Line", part, (left, 0.0), (right, 0.0))
     circuit.done((-3.4, 20.4), (-0.6, 5.2))
 
 
@@ -110,9 +109,9 @@ def _architecture(circuit: Circuit, system: Mapping[str, Any]) -> None:
         (5.0, 3.6): f"Boost converter\nefficiency {converter['boost']['efficiency']:g}\n"
         f"tracker {converter['tracker_efficiency']:g}",
         (10.0, 3.6): f"Buck converter\nefficiency {converter['buck']['efficiency']:g}\nS2, S3",
-        (15.0, 3.6): f"Battery\n{battery['title']}\n{battery['capacity_ah']:g} Ah, discharge by S4",
+        (15.0, 3.6): f"Battery\n{battery['title']}\ndischarge through S4",
         (5.0, 0.0): f"{load['title'].capitalize()}\n{load['power_w']:g} W at {converter['bus_voltage_v']:g} V",
-        (10.0, 0.0): "Controller\nchooses mode and pulses",
+        (10.0, 0.0): "Controller\nchooses the mode,\nsets the pulses",
     }
     for (x, y), text in boxes.items():
         circuit.box((x, y), 3.9, 1.9, text)

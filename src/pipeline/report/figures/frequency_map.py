@@ -10,7 +10,7 @@ from pipeline.report import style
 from pipeline.report.data import ReportData
 from pipeline.report.records import FigureCard
 
-_LEVELS_HZ = (10.0, 20.0, 30.0, 50.0, 70.0, 150.0, 200.0, 300.0, 500.0, 1000.0)
+_LEVELS_HZ = (10.0, 20.0, 30.0, 50.0, 150.0, 200.0, 300.0, 500.0, 1000.0)
 _MICRO = 1e6
 
 

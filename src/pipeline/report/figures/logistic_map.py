@@ -27,9 +27,9 @@ def draw(figure: FigureCard, data: ReportData) -> Figure:
     The figure.
     """
     drawing = style.figure(5.6)
-    upper, lower = drawing.subfigures(2, 1, height_ratios=(1.35, 1.0))
-    _bifurcation(upper.subplots(), data)
-    orbit, density = lower.subplots(1, 2)
+    grid = drawing.add_gridspec(2, 2, height_ratios=(1.35, 1.0))
+    _bifurcation(drawing.add_subplot(grid[0, :]), data)
+    orbit, density = drawing.add_subplot(grid[1, 0]), drawing.add_subplot(grid[1, 1])
     values = data.table("chaos", "orbit")["value"]
     _orbit(orbit, values)
     _density(density, values)

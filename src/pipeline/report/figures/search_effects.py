@@ -55,7 +55,8 @@ def _means(axes: Axes, data: ReportData, measure: str, searches: dict[str, str],
     for place, (name, mark) in enumerate(zip(searches, style.MARKS, strict=False)):
         row = (table["search"] == name) & (table["measure"] == measure)
         if row.any():
-            _interval(axes, place, *(float(table[part][row][0]) for part in ("mean", "mean_low", "mean_high")), mark)
+            value, low, high = (float(table[part][row][0]) for part in ("mean", "mean_low", "mean_high"))
+            _interval(axes, place, value, low, high, mark)
     axes.set_xlim(left=0.0)
     _named(axes, list(searches.values()), label)
 
