@@ -194,7 +194,12 @@ def _figures(study: Study, nodes: list[Draft]) -> Iterator[Draft]:
                 "figures",
                 f"figure/{identifier}",
                 identifier,
-                {"id": identifier, "card": plain(card), **_labels(study, knobs="modes" in card.reads)},
+                {
+                    "id": identifier,
+                    "card": plain(card),
+                    "settings": _configured(study, card.reads),
+                    **_labels(study, knobs="modes" in card.reads),
+                },
                 inputs=inputs,
                 shown={f"{identifier}.{kind}": f"figures/{identifier}.{kind}" for kind in ("svg", "png")},
                 view="reports",
@@ -217,6 +222,18 @@ def _labels(study: Study, knobs: bool = False) -> dict[str, Any]:
     ]
     comparisons = [{"name": name, "title": comparison.title} for name, comparison in study.comparisons.items()]
     return {"modes": modes, "comparisons": comparisons}
+
+
+def _configured(study: Study, reads: Iterable[str]) -> dict[str, Any]:
+    """What a figure draws of the configuration itself."""
+    found: dict[str, Any] = {}
+    if "system" in reads:
+        found["system"] = plain({name: getattr(study, name) for name in ("panel", "converter", "load")})
+        found["system"]["battery"] = {"title": study.battery.title, "capacity_ah": study.battery.capacity_ah}
+        found["system"]["discharge_voltage_v"] = study.objective.discharge_voltage_v if study.objective else None
+    if "algorithm" in reads and study.search is not None:
+        found["algorithm"] = plain(study.search.model_copy(update={"variants": {}}))
+    return found
 
 
 def _named(records: Mapping[str, Record]) -> list[dict[str, Any]]:

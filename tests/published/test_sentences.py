@@ -9,8 +9,10 @@ import pytest
 from pydantic import TypeAdapter
 
 from pipeline.published.artefacts import Lookup
+from pipeline.published.operands import Value
 from pipeline.published.predicates import apply
 from pipeline.published.records import Check
+from pipeline.published.wording import compared, stated
 
 CC, REFLEX = "charge/same_peak/cc_cv", "charge/same_peak/cv_reflex"
 CHECK: TypeAdapter[Any] = TypeAdapter(Check)
@@ -53,3 +55,23 @@ POWER = "max_power_w of panel where irradiance_w_m2=1000"
 def test_sentence(check: dict[str, Any], sentence: str, lookup: Callable[..., Lookup]) -> None:
     reader = lookup({CC: {"rise_k": 5.0, "end_s": 7200.0}, REFLEX: {"rise_k": 4.0, "end_s": 8000.0}})
     assert apply(CHECK.validate_python(check), reader, "1").sentence == sentence
+
+
+@pytest.mark.parametrize(
+    ("name", "words"),
+    [
+        ("frequency_hz", "frequency of search 4 Hz"),
+        ("ise_mw2_s", "ise of search 4 mW2 s"),
+        ("published_p_w", "published p w of search 4"),
+        ("published_chosen_w", "published chosen w of search 4"),
+        ("discharge_resistor_w", "discharge resistor of search 4 W"),
+    ],
+)
+def test_a_names_unit(name: str, words: str) -> None:
+    assert stated(Value(quantity=name, artefact="search", table="quantities"), 4.0, "1") == words
+
+
+def test_rows_of_one_table_are_told_apart_by_their_columns() -> None:
+    rows = [{"factor": "c1", "level": level} for level in (1.0, 2.0)]
+    values = [Value(quantity="mean", artefact="tuning", table="rerun_levels", where=row) for row in rows]
+    assert compared(values, [6.0, 7.0], "1") == "mean: level 1 6, level 2 7"

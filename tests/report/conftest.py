@@ -11,9 +11,18 @@ import yaml
 from pipeline import schemas, tables
 from pipeline.report.data import FILES, ModeLabel, ReportData
 from pipeline.report.records import FigureCard
+from tests.report.search_artefacts import ALGORITHM, SYSTEM, search_half
 
 CONF = Path(__file__).parents[2] / "conf"
-REFLEX = {"charge_a": 2.1, "charge_share": 0.9, "discharge_a": 0.5, "discharge_share": 0.05, "frequency_hz": 90.0}
+REFLEX = {
+    "voltage_v": 14.4,
+    "max_current_a": 2.1,
+    "charge_a": 2.1,
+    "charge_share": 0.9,
+    "discharge_a": 0.5,
+    "discharge_share": 0.05,
+    "frequency_hz": 90.0,
+}
 PULSE = REFLEX | {"discharge_a": 0.0, "discharge_share": 0.0}
 STEADY = PULSE | {"charge_share": 1.0}
 MODES = {"cc_cv": ("CC-CV", STEADY), "cv_pulse": ("CV-pulse", PULSE), "cv_reflex": ("CV-Reflex", REFLEX)}
@@ -155,7 +164,7 @@ def build(
 ) -> ReportData:
     panel(root / "panel")
     supply(root / "supply", rows)
-    inputs = {"panel": root / "panel", "supply": root / "supply"}
+    inputs = {"panel": root / "panel", "supply": root / "supply"} | search_half(root)
     for comparison in COMPARISONS:
         for mode in modes:
             knobs = MODES[mode][1]
@@ -165,7 +174,7 @@ def build(
             charge(folder, knobs, factor, stop_s, windows, supply_limited_s)
             inputs[f"charge/{comparison}/{mode}"] = folder
     labels = {mode: ModeLabel(MODES[mode][0], MODES[mode][1]) for mode in modes}
-    return ReportData(inputs, labels, COMPARISONS)
+    return ReportData(inputs, labels, COMPARISONS, {"system": SYSTEM, "algorithm": ALGORITHM})
 
 
 VARIANTS = {
@@ -200,4 +209,6 @@ def cards() -> dict[str, FigureCard]:
 def pytest_generate_tests(metafunc) -> None:
     if "name" in metafunc.fixturenames and "card" in metafunc.fixturenames:
         found = cards()
+        if "data" in metafunc.fixturenames:  # the runs differ in charges and supply alone
+            found = {name: card for name, card in found.items() if {"charge", "supply"} & set(card.reads)}
         metafunc.parametrize(("name", "card"), list(found.items()), ids=list(found))

@@ -134,7 +134,7 @@ _OBJECTIVE = (
 )
 _TUNING = (
     "chosen_{factor} p_{factor} p explained_share predicted_mw2_s chosen_mw2_s chosen_rank best_run best_mw2_s "
-    "mean_mw2_s runs"
+    "mean_mw2_s runs combinations unbalanced"
 )
 _SEARCH = (
     "frequency_hz ise_mw2_s difference_from_sweep_hz {search}_frequency_hz "

@@ -8,8 +8,13 @@ from collections.abc import Sequence
 
 from pipeline.published.operands import AtTime, Difference, Operand, Product, Ratio, Total, Value, values
 
-_UNITS = {"s": "s", "k": "K", "c": "degC", "a": "A", "v": "V", "w": "W", "j": "J", "ah": "Ah", "wh": "Wh"}
+_UNITS = {
+    "s": "s", "k": "K", "c": "degC", "a": "A", "v": "V", "w": "W", "j": "J", "ah": "Ah", "wh": "Wh", "hz": "Hz",
+    "mw2_s": "mW2 s", "nats": "nat",
+}  # fmt: skip
 _UNIT_ENDING = re.compile(rf"_({'|'.join(_UNITS)})$")
+# Not watt but the inertia weight W, a factor of a parameter design.
+_WEIGHT = re.compile(r"_(chosen|best|p)_w$")
 
 
 def plain(value: float, unit: str = "1") -> str:
@@ -28,12 +33,15 @@ def charge_name(artefact: str) -> str:
 
 def quantity_name(quantity: str) -> str:
     """Return a quantity's name as words, without its unit."""
-    return _UNIT_ENDING.sub("", quantity).replace("_", " ").replace("soc", "SOC")
+    kept = quantity if _WEIGHT.search(quantity) else _UNIT_ENDING.sub("", quantity)
+    return kept.replace("_", " ").replace("soc", "SOC")
 
 
 def unit_of(operand: Operand, unit: str) -> str:
     """Return the unit a value's name carries, else the statement's."""
-    found = _UNIT_ENDING.search(operand.quantity) if isinstance(operand, Value) else None
+    if not isinstance(operand, Value) or _WEIGHT.search(operand.quantity):
+        return unit
+    found = _UNIT_ENDING.search(operand.quantity)
     return _UNITS[found[1]] if found else unit
 
 
@@ -91,5 +99,16 @@ def compared(operands: Sequence[Operand], found: Sequence[float], unit: str) -> 
     if len({shape(one) for one in operands}) > 1 or any(len(owner) != 1 for owner in owners):
         return ""
     numbers = (plain(value, unit_of(one, unit)) for one, value in zip(operands, found, strict=True))
-    told = (f"{charge_name(owner.pop())} {number}" for owner, number in zip(owners, numbers, strict=True))
+    names = _rows(operands) or [charge_name(owner.pop()) for owner in owners]
+    told = (f"{name} {number}" for name, number in zip(names, numbers, strict=True))
     return f"{shape(operands[0])}: {', '.join(told)}"
+
+
+def _rows(operands: Sequence[Operand]) -> list[str]:
+    """Return the rows of values of one table by what tells them apart; nothing where another table is among them."""
+    rows = [one.where for one in operands if isinstance(one, Value) and one.where]
+    if len(rows) < len(operands) or len({one.artefact for one in operands if isinstance(one, Value)}) > 1:
+        return []
+    told = [[f"{name} {row[name]:g}" if isinstance(row[name], float) else f"{name} {row[name]}"
+             for name in row if len({str(other.get(name)) for other in rows}) > 1] for row in rows]  # fmt: skip
+    return [", ".join(words) for words in told] if all(told) else []

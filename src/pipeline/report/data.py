@@ -68,11 +68,13 @@ class ReportData:
         `charge/<comparison>/<mode>`.
     modes : mode name -> label, in the order of the run; the order decides colours and line styles.
     comparisons : comparison name -> title, in the order of the run.
+    settings : `system` and `algorithm`, as configured, where the figure reads them; found values put in.
     """
 
     inputs: Mapping[str, Path]
     modes: Mapping[str, ModeLabel]
     comparisons: Mapping[str, str]
+    settings: Mapping[str, Mapping[str, Any]] = field(default_factory=dict)
 
     @cached_property
     def _read(self) -> dict[tuple[str, str], Columns]:
@@ -95,6 +97,10 @@ class ReportData:
             file, declaration = _file(name)
             self._read[source, name] = tables.read(declaration, self.inputs[source] / file)
         return self._read[source, name]
+
+    def holds(self, source: str, name: str) -> bool:
+        """Tell whether an input of this run has a table."""
+        return source in self.inputs and (self.inputs[source] / _file(name)[0]).is_file()
 
     def shown(self, comparison: str | None) -> list[str]:
         """Return the comparisons a figure shows: the one asked for, or all that have a charge."""

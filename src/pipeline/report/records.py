@@ -34,12 +34,44 @@ class WaveformOptions(Record):
     periods: float = Field(default=2.0, ge=1, le=10, description="how many periods are drawn [1]")
 
 
+class ConvergenceOptions(Record):
+    """The course of a search."""
+
+    quantity: Literal["frequency", "ise"]
+    runs: str = Field(default="published_protocol", min_length=1, description="search whose runs are drawn one by one")
+    band: str = Field(default="swarm_published", min_length=1, description="search whose runs make the band behind")
+    oracle: str = Field(default="sweep", min_length=1, description="search whose end is where they should end")
+
+
+class EffectOptions(Record):
+    """Searches held against each other."""
+
+    searches: dict[str, str] = Field(min_length=2, description="name of a search -> what it is called here")
+
+
+class CircuitOptions(Record):
+    """One of the paper's diagrams of the system."""
+
+    part: Literal["system", "mode_1", "mode_2", "architecture"]
+    mode: str = Field(default="cv_reflex", min_length=1, description="mode whose discharge the resistor is drawn for")
+
+
 DRAWINGS: dict[str, type[Record]] = {
+    "algorithm": NoOptions,
+    "array_against_factorial": NoOptions,
+    "circuit": CircuitOptions,
+    "convergence": ConvergenceOptions,
     "energy": NoOptions,
     "enlarged": EnlargedOptions,
+    "frequency_map": NoOptions,
+    "level_effects": NoOptions,
+    "logistic_map": NoOptions,
+    "loss_over_frequency": NoOptions,
+    "map_disorder": NoOptions,
     "over_time": OverTimeOptions,
     "panel_curves": NoOptions,
     "reflex_waveform": WaveformOptions,
+    "search_effects": EffectOptions,
     "supply": NoOptions,
 }
 """Every module under `figures` and the record of its options."""
@@ -52,8 +84,12 @@ class FigureCard(Record):
     paper: str = Field(default="", description="its number in the paper; empty for a figure of our own")
     title: str = Field(min_length=1, description="title, for people")
     caption: str = Field(min_length=1, description="what it shows; also its text for those who cannot see it")
-    reads: tuple[Literal["modes", "panel", "supply", "chaos", "objective", "tuning", "search", "charge"], ...] = Field(
-        description="the steps whose artefacts it reads; modes: the knobs of the modes"
+    reads: tuple[
+        Literal["modes", "system", "algorithm", "panel", "supply", "chaos", "objective", "tuning", "search", "charge"],
+        ...,
+    ] = Field(
+        description="the steps whose artefacts it reads; modes: the knobs of the modes; system: panel, converters, "
+        "load and battery as configured; algorithm: the settings of the search"
     )
     comparison: str | None = Field(default=None, description="the only comparison it shows; all of them without")
     options: dict[str, Any] = Field(default_factory=dict, description="what the drawing module lets one choose")

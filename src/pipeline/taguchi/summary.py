@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from pipeline.quantity import Quantity
 from pipeline.taguchi.analysis import chosen_levels, predicted, rank, run_at
+from pipeline.taguchi.arrays import is_orthogonal
 from pipeline.taguchi.variance import Anova
 
 Array = NDArray[np.float64]
@@ -71,6 +72,10 @@ def quantities(
         Quantity(f"{of}_best_mw2_s", float(np.min(values)), RESULT, "its result"),
         Quantity(f"{of}_mean_mw2_s", float(np.mean(values)), RESULT, "mean over the runs"),
         Quantity(f"{of}_runs", float(len(values)), "1", "runs of the array"),
+        Quantity(f"{of}_combinations", float(math.prod(map(len, factors.values()))), "1", "combinations of all levels"),
+        Quantity(
+            f"{of}_unbalanced", float(not is_orthogonal(array)), "1", "1 where pairs of levels do not occur alike"
+        ),
     ]
 
 
