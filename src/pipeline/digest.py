@@ -14,14 +14,19 @@ PROJECT = PACKAGE.parent.parent
 LOCK_FILE = PROJECT / "requirements.lock"
 
 
-def canonical(value: Any) -> str:
-    """Return JSON with sorted keys and no spaces: one text for one value; NaN and infinity are refused."""
-    return json.dumps(value, sort_keys=True, separators=(",", ":"), ensure_ascii=False, allow_nan=False)
+def canonical(value: Any, ordered: bool = False) -> str:
+    """Return JSON without spaces, one text for one value; NaN and infinity are refused.
+
+    Arguments
+    ---------
+    ordered : keep the order of keys, for mappings in which it has a meaning (the phases of a mode); else sorted.
+    """
+    return json.dumps(value, sort_keys=not ordered, separators=(",", ":"), ensure_ascii=False, allow_nan=False)
 
 
-def of_value(value: Any) -> str:
+def of_value(value: Any, ordered: bool = False) -> str:
     """Return the sha256 of a value's canonical JSON."""
-    return hashlib.sha256(canonical(value).encode()).hexdigest()
+    return hashlib.sha256(canonical(value, ordered).encode()).hexdigest()
 
 
 def of_file(path: Path) -> str:

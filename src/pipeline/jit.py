@@ -35,7 +35,7 @@ def jit(function: F) -> F:
 def kernel(function: F) -> F:
     """Compile a function that allocates nothing.
 
-    Without the counting of references, which would cost more than the arithmetic of a small kernel.
+    Without the counting of references, which allocation would need and which costs more than a small kernel's work.
     """
     return _compile(function, _nrt=False)
 

@@ -64,10 +64,12 @@ def _supply(study: Study) -> Iterator[Draft]:
 def _charges(study: Study) -> Iterator[Draft]:
     yield Draft("engine", "engine", "engine", {})
     for comparison, mode_name, mode in compared_modes(study):
-        settings = plain({"battery": study.battery, "mode": mode, "charge": study.charge, "engine": study.engine})
-        # Titles are for readers; changing one must not charge the battery again.
-        settings["mode"]["title"] = mode_name
-        settings["battery"]["title"] = study.battery.name
+        settings = {
+            "battery": _untitled(study.battery, study.battery.name),
+            "mode": _untitled(mode, mode_name),
+            "charge": plain(study.charge),
+            "engine": plain(study.engine),
+        }
         place = f"charge/{comparison}/{mode_name}"
         yield Draft(
             "charge",
@@ -75,10 +77,15 @@ def _charges(study: Study) -> Iterator[Draft]:
             f"{comparison}.{mode_name}",
             settings,
             inputs=_charge_inputs(study),
-            sections=("battery", f"modes.{mode_name}", "charge"),
+            sections=("battery", "charge", *(f"modes.{name}" for name in (mode_name, _reference(study, comparison)))),
             shown={"trace.bdf.parquet": f"{place}.bdf.parquet"}
             | {f"{part}.parquet": f"{place}.{part}.parquet" for part in ("waveform", "summary", "phases", "energy")},
         )
+
+
+def _reference(study: Study, comparison: str) -> str | None:
+    """Return the mode whose current sets that of the others in a comparison, if it has one."""
+    return study.comparisons[comparison].mean_current_of
 
 
 def _charge_inputs(study: Study) -> dict[str, str]:
@@ -89,7 +96,9 @@ def _ensemble(study: Study) -> Iterator[Draft]:
     varied = {path: source for path, source in study.sources.items() if _below(path, ("battery", "modes", "charge"))}
     ranges = {path: list(source.range) for path, source in varied.items() if source.range is not None}
     followers = {
-        path: f"{path.rpartition('.')[0]}.{source.same_as}" for path, source in varied.items() if source.same_as
+        path: leader
+        for path, source in varied.items()
+        if source.same_as and (leader := f"{path.rpartition('.')[0]}.{source.same_as}") in ranges
     }
     if study.ensemble.samples == 0 or not ranges:
         return
@@ -100,8 +109,11 @@ def _ensemble(study: Study) -> Iterator[Draft]:
         study.study.name,
         plain(
             {
-                "battery": study.battery,
-                "modes": {name: _slowed(mode, study.ensemble.pulse_frequency_hz) for name, mode in study.modes.items()},
+                "battery": _untitled(study.battery, study.battery.name),
+                "modes": {
+                    name: _slowed(_untitled(mode, name), study.ensemble.pulse_frequency_hz)
+                    for name, mode in study.modes.items()
+                },
                 "charge": charge,
                 "engine": study.engine,
                 "ensemble": study.ensemble,
@@ -118,9 +130,17 @@ def _ensemble(study: Study) -> Iterator[Draft]:
     )
 
 
-def _slowed(mode: Mode, frequency_hz: float) -> dict[str, Any]:
+def _untitled(record: Record, name: str) -> dict[str, Any]:
+    """Return a record with its name for a title: titles are for readers, and changing one must compute nothing."""
+    return {**plain(record), "title": name}
+
+
+def _slowed(tree: Any, frequency_hz: float) -> Any:
     """Return a mode with every pulse at one frequency: also one whose frequency is yet to be found."""
-    return {key: frequency_hz if key.endswith("frequency_hz") else value for key, value in plain(mode).items()}
+    if not isinstance(tree, dict):
+        return tree
+    slowed = {key: _slowed(value, frequency_hz) for key, value in tree.items()}
+    return slowed | {key: frequency_hz for key in tree if key.endswith("frequency_hz")}
 
 
 def _verdicts(study: Study, nodes: list[Draft]) -> Iterator[Draft]:
@@ -236,6 +256,7 @@ def _page(study: Study, nodes: list[Draft]) -> Iterator[Draft]:
             "figures": _named({name: card for name, card in study.figures.items() if name in drawn}),
             "parameters": _parameters(study, {node.step for node in nodes}),
             "command": command(study.study.name, study.overrides),
+            "overrides": list(study.overrides),
             **_labels(study),
         },
         inputs={node.name: node.name for node in nodes if node.step in _SHOWN},

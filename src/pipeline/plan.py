@@ -6,9 +6,9 @@ are the same node, whichever run asked for them.
 
 from __future__ import annotations
 
-import itertools
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
@@ -48,7 +48,6 @@ TARGETS = {
     "charges": ("charge",),
     "figures": ("figures",),
 }
-DEFAULT_STUDIES = ("solar_reflex",)
 
 
 @dataclass(frozen=True)
@@ -100,7 +99,7 @@ def _run(words: Sequence[str]) -> Run:
     nodes = tuple(drafts(study))
     keys: dict[str, str] = {}
     for node in nodes:
-        keys[node.name] = digest.of_value(_identity(node, keys))
+        keys[node.name] = digest.of_value(_identity(node, keys), ordered=True)
     return Run(run_name(study.overrides), study, nodes, keys)
 
 
@@ -174,7 +173,7 @@ def _evenly(keys: list[str], most: int) -> list[list[str]]:
     """Split keys into as few parts as `most` allows, of nearly the same length."""
     count = -(-len(keys) // most)
     bounds = [round(place * len(keys) / count) for place in range(count + 1)] if count else [0]
-    return [keys[start:end] for start, end in itertools.pairwise(bounds)]
+    return [keys[start:end] for start, end in pairwise(bounds)]
 
 
 def _publications(

@@ -35,7 +35,7 @@ def load(path: Path) -> dict[str, Any]:
         raise UserError(f"plan {path}: no such file") from None
     except ValueError as error:
         raise UserError(f"plan {path}: not JSON ({error})") from None
-    if not isinstance(plan, dict) or plan.get("version") != VERSION:
+    if not isinstance(plan, dict) or plan.get("version") != VERSION or not {"runs", "nodes", "chunks"} <= set(plan):
         raise UserError(f"plan {path}: not a plan of version {VERSION}; make it anew with --config overrides=...")
     return plan
 

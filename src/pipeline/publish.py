@@ -47,24 +47,25 @@ def publish_run(run: Mapping[str, Any], results: Path, part: str, steps: Collect
     The manifest: `manifest.json` for all of a run, `manifest.<part>.json` for a part of it.
     """
     folder = view_folder(results, run, "results")
-    _drop_other_runs(folder, run["digest"])
+    _drop_other_runs(results, folder, run["digest"])
     manifest = folder / ("manifest.json" if part == "all" else f"manifest.{part}.json")
-    before = _published(manifest)
     shown = []
     for path, entry in _places(run, results, steps):
         store.link(store.artefact(results, entry["step"], entry["key"]) / entry["file"], path)
         shown.append(entry | {"path": path.relative_to(results.parent).as_posix()})
-    for stale in before - {entry["path"] for entry in shown}:
-        (results.parent / stale).unlink(missing_ok=True)
     store.write_json(manifest, _manifest(run, shown))
     return manifest
 
 
-def _drop_other_runs(folder: Path, run_digest: str) -> None:
-    """Remove the manifests of parts that another configuration published to the same place."""
-    for manifest in folder.glob("manifest.*.json"):
-        if json.loads(manifest.read_text())["digest"] != run_digest:
+def _drop_other_runs(results: Path, folder: Path, run_digest: str) -> None:
+    """Remove what another configuration published to the same place, whole or in part, and its manifests."""
+    for manifest in folder.glob("manifest*.json"):
+        shown = json.loads(manifest.read_text())
+        if shown["digest"] != run_digest:
+            # The manifest first: without it nothing counts as published, whatever happens next.
             manifest.unlink()
+            for entry in shown["artefacts"]:
+                (results.parent / entry["path"]).unlink(missing_ok=True)
 
 
 def view_folder(results: Path, run: Mapping[str, Any], room: str) -> Path:
@@ -85,13 +86,6 @@ def _places(run: Mapping[str, Any], results: Path, steps: Collection[str]) -> It
             yield view_folder(results, run, item["room"]) / place, entry
 
 
-def _published(manifest: Path) -> set[str]:
-    try:
-        return {entry["path"] for entry in json.loads(manifest.read_text())["artefacts"]}
-    except (OSError, ValueError, KeyError):
-        return set()
-
-
 def _manifest(run: Mapping[str, Any], shown: list[dict[str, Any]]) -> dict[str, Any]:
     return {
         "study": run["study"],
@@ -103,6 +97,7 @@ def _manifest(run: Mapping[str, Any], shown: list[dict[str, Any]]) -> dict[str, 
         "configuration": run["configuration"],
         "sources": run["sources"],
         "artefacts": shown,
+        "nodes": run["nodes"],
         "lock": digest.of_lock(),
         "commit": _commit(),
         "versions": {"python": platform.python_version()} | {name: metadata.version(name) for name in VERSIONS_OF},

@@ -204,6 +204,8 @@ def _seal(folder: Path) -> dict[str, str]:
 
 
 def _replace(folder: Path, temporary: Path) -> None:
+    if damage(folder) is None:
+        return
     if folder.exists():
         remove(folder)
     try:

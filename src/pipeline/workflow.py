@@ -84,14 +84,12 @@ def _plan_file(config: Mapping[str, Any], results: Path) -> Path:
     if config.get("plan"):
         return Path(str(config["plan"]))
     # Composition needs Hydra; a job that is handed a plan does without.
-    from pipeline import plan as plans
-    from pipeline.config.compose import expand
+    from pipeline.config.compose import expand, options
+    from pipeline.plan import make_plan
 
     overrides = config.get("overrides")
-    runs = (
-        expand(split_overrides(str(overrides))) if overrides else [[f"study={name}"] for name in plans.DEFAULT_STUDIES]
-    )
-    return planfile.save(plans.make_plan(runs), results)
+    runs = expand(split_overrides(str(overrides))) if overrides else [[f"study={name}"] for name in options("study")]
+    return planfile.save(make_plan(runs), results)
 
 
 def split_overrides(text: str) -> list[str]:

@@ -5,7 +5,7 @@ import pytest
 from scipy.integrate import quad
 
 from pipeline.cell.relaxation import LAGRANGE, NODES, RADAU, fill
-from pipeline.charge.step import new_run
+from pipeline.charge.state import new_run
 
 RATIOS = [1e-7, 1e-3, 0.3, 2.99, 3.01, 30.0, 1e5]
 

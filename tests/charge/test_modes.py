@@ -1,12 +1,18 @@
 """A lab sheet that cannot be run says so, with the place, the value and what is allowed."""
 
+import subprocess
+import sys
+from pathlib import Path
+
 import pytest
 from pydantic import ValidationError
 
+import pipeline
 from pipeline import schemas
 from pipeline.charge.checks import check
 from pipeline.charge.protocol import resolve
 from pipeline.charge.records import Mode
+from pipeline.charge.simulate import warm_up
 from pipeline.errors import UserError
 from pipeline.tables import to_arrow
 from tests.charge.samples import BATTERIES, MODES, battery, charge, load, settings
@@ -70,7 +76,7 @@ def test_an_unknown_key_is_refused(phase, message):
 def test_a_knob_still_to_be_found_passes_the_check_but_not_the_charge():
     sheet = Mode(**(load("modes/cv_reflex.yaml") | {"frequency_hz": {"from": "search", "value": "frequency_hz"}}))
     check(LEAD, sheet, settings(0.2))
-    with pytest.raises(UserError, match="phases.reflex.frequency_hz: still to be found by 'search'"):
+    with pytest.raises(UserError, match=r"phases\.reflex\.frequency_hz: still to be found by 'search'"):
         resolve(sheet, 7.0)
 
 
@@ -96,3 +102,18 @@ def test_every_table_is_as_declared():
         ),
     ):
         assert to_arrow(table, columns).num_rows > 0
+
+
+def test_records_and_checks_import_nothing_heavy():
+    code = (
+        "import sys, pipeline.cell.records, pipeline.charge.records, pipeline.charge.checks;"
+        "import pipeline.charge.comparison;"
+        "print([name for name in ('numba', 'scipy', 'numpy', 'matplotlib') if name in sys.modules])"
+    )
+    source = str(Path(pipeline.__file__).parents[1])
+    found = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, env={"PYTHONPATH": source})
+    assert found.stdout.strip() == "[]", found.stderr
+
+
+def test_warming_up_names_its_kernels():
+    assert "run_edge" in warm_up()

@@ -6,7 +6,7 @@ import pytest
 from pipeline.cell.circuit import compile_cell
 from pipeline.cell.records import Battery
 from pipeline.charge.segment import Demand, choose_control, commit, set_guess, try_step
-from pipeline.charge.step import DEPTH, TEMPERATURE, VOLTAGE_CONTROL, new_run
+from pipeline.charge.state import DEPTH, TEMPERATURE, VOLTAGE_CONTROL, new_run
 from tests.charge.test_exact import PLAIN
 
 

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 import yaml
 
-from pipeline import schemas, tables
+from pipeline import quantity, schemas, tables
 from pipeline.published.artefacts import Lookup
 from pipeline.published.records import Statement
 
@@ -69,6 +69,13 @@ def write_points(folder: Path, **changed: float) -> None:
 def write_reference(path: Path, power_w: float = 65.0, voltage_v: float = 17.4) -> None:
     """Write the printed Table 1."""
     path.write_text(PRINTED.format(power_w, voltage_v), encoding="utf-8")
+
+
+def write_quantities(folder: Path, numbers: Numbers) -> None:
+    """Write the named numbers of a step."""
+    folder.mkdir(parents=True)
+    columns = quantity.columns(quantity.Quantity(name, value, "1", "") for name, value in numbers.items())
+    tables.write(schemas.QUANTITIES, columns, folder / "quantities.parquet")
 
 
 def write_ensemble(folder: Path, samples: list[Mapping[tuple[str, str, str], float]]) -> None:

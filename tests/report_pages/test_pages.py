@@ -69,7 +69,7 @@ def test_every_link_within_the_page_has_its_end_and_identifiers_are_unique(page:
 
 def test_the_page_opens_with_the_verdicts_then_what_the_paper_shows(page: Page) -> None:
     order = [name for name in page.attributes("id") if not name.startswith("statement-")]
-    wanted = ["verdicts", "figures", "table_1", "figure_11", "charges-in-numbers", "charges", "parameters", "reproduce"]
+    wanted = ["verdicts", "figures", "table_1", "figure_11", "in-numbers", "charges", "parameters", "reproduce"]
     assert order == wanted
 
 

@@ -57,6 +57,19 @@ def test_an_edited_drawing_draws_its_figure_alone(restored: Project) -> None:
     assert restored.planned() == Counter(draw_figures=1, write_page=1, publish_run=1)
 
 
+def test_a_frequency_by_hand_searches_nothing(restored: Project) -> None:
+    planned = restored.planned("modes.cv_reflex.frequency_hz=50")
+    assert {"charge_battery", *AFTER_CHARGES} <= set(planned)
+    assert {"tune_search", "search_frequency", "follow_logistic_map", "loss_over_frequency"}.isdisjoint(planned)
+
+
+def test_an_edited_algorithm_searches_again(restored: Project) -> None:
+    path = restored.folder / "src/pipeline/search/algorithms/sweep.py"
+    path.write_text(path.read_text() + "\n\nANOTHER = 1\n")
+    planned = restored.planned()
+    assert {"search_frequency", "charge_battery", *AFTER_CHARGES} == set(planned)
+
+
 def test_an_edited_comment_runs_nothing(restored: Project) -> None:
     for file in ("converter/chain.py", "charge/simulate.py", "report/style.py"):
         path = restored.folder / "src/pipeline" / file

@@ -10,9 +10,10 @@ import sys
 import time
 from pathlib import Path
 
+import numpy as np
 import pytest
 
-from pipeline import digest
+from pipeline import digest, schemas, store, tables
 from tests.workflow.conftest import Project, copy_project, rules
 
 pytestmark = [pytest.mark.workflow, pytest.mark.xdist_group("workflow")]
@@ -50,6 +51,21 @@ def test_no_artefact_names_the_folder_it_was_made_in(project: Project) -> None:
             assert str(project.folder).encode() not in path.read_bytes(), path
 
 
+def test_the_found_frequency_is_the_one_charged_with(project: Project) -> None:
+    pulses = "modes.cv_reflex.phases.bulk.until.elapsed_s=50 'charge.windows=[{start_s:60,length_s:0.05}]'"
+    project.snakemake("charges", overrides=f"modes.run=[cc_cv,cv_reflex] {pulses}")
+    view = _manifest(project)["artefacts"]
+    assert isinstance(view, list)
+    key = next(entry["key"] for entry in view if entry["step"] == "search")
+    found = store.found_value(project.folder / "results/store/search" / key, "frequency_hz")
+    waveform = next(project.folder.glob("results/solar_reflex/*bulk*/charge/same_peak/cv_reflex.waveform.parquet"))
+    table = tables.read(schemas.CHARGE_WAVEFORM, waveform)
+    current = table["current_a"]
+    begins = table["time_s"][1:][(current[:-1] <= 0.0) & (current[1:] > 1.0)]
+    assert len(begins) >= 3
+    assert np.diff(begins) == pytest.approx(1.0 / found, rel=1e-6)
+
+
 def test_a_sweep_shares_what_is_the_same(project: Project) -> None:
     printed = project.run("pipeline", "-m", "battery=lead_acid_12v7ah,lead_acid_12v18ah", "-n")
     assert "fit_panel" not in rules(printed)
@@ -78,6 +94,8 @@ MISTAKES = {
     "load.power_w=100": ("load.power_w", "100"),
     "comparisons.same_mean.mean_current_of=cc": ("mean_current_of", "cc_cv"),
     "sed=3": ("sed", "seed"),
+    "modes.cv_reflex.frequency_hz={from:serach,value:frequency_hz}": ("cv_reflex.frequency_hz", "'serach'", "search"),
+    "search.c1={from:tuning,value:c4}": ("search.c1", "'c4'", "c1"),
     "=": ("key=value",),
 }
 

@@ -26,6 +26,7 @@ CELL = np.dtype(
     [
         ("cells", np.float64),
         ("charge_as", np.float64),
+        ("per_as", np.float64),
         ("pairs", np.int64),
         ("acceptance", np.int64),
         ("recombination", np.int64),
@@ -84,6 +85,7 @@ def compile_cell(battery: Battery) -> Cell:
         if cell["recombination"]:
             tau.append(side.recombination_time_constant_s)
     cell["cells"], cell["charge_as"] = battery.cells_in_series, 3600.0 * battery.capacity_ah * k
+    cell["per_as"] = 1.0 / cell["charge_as"]
     cell["pairs"], cell["relaxations"], cell["transfer"] = len(pairs), len(tau), transfer is not None
     cell["tau_s"][:] = 1.0
     cell["tau_s"][: len(tau)] = tau
@@ -129,6 +131,6 @@ def enthalpy(cell: Cell, x: float) -> float:
     Its slope with charge is U - T dU/dT, which no temperature enters, or the measured thermoneutral voltage.
     """
     if cell.thermoneutral == 1:
-        return -cell.charge_as * cell.thermoneutral_v * x
+        return float(-cell.charge_as * cell.thermoneutral_v * x)
     free = integral(cell, OPEN_CIRCUIT, x)
-    return cell.charge_as * (free - REFERENCE_K * integral(cell, ENTROPIC, x))
+    return float(cell.charge_as * (free - REFERENCE_K * integral(cell, ENTROPIC, x)))

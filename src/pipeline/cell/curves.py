@@ -106,16 +106,16 @@ def integral(bank: Any, row: int, x: float) -> float:
     kind = bank.kind[row]
     p = bank.parameters[row]
     if kind == CONSTANT:
-        return -p[0] * x
+        return float(-p[0] * x)
     if kind == POLYNOMIAL:
-        return -x * (p[0] + x * (p[1] / 2.0 + x * (p[2] / 3.0 + x * p[3] / 4.0)))
+        return float(-x * (p[0] + x * (p[1] / 2.0 + x * (p[2] / 3.0 + x * p[3] / 4.0))))
     if kind == LOGARITHM:
         above, below = 1.0 - x + p[2], x + p[3]
         lower = below * math.log(below) if below > 0.0 else 0.0
-        return -p[0] * x + p[1] * (above * math.log(above) + lower)
+        return float(-p[0] * x + p[1] * (above * math.log(above) + lower))
     if kind == ROOT:
         return math.nan
     piece = piece_of(bank, row, x)
     c = bank.coefficients[row, piece]
     d = x - bank.knots[row, piece]
-    return -(c[4] + d * (c[0] + d * (c[1] / 2.0 + d * (c[2] / 3.0 + d * c[3] / 4.0))))
+    return float(-(c[4] + d * (c[0] + d * (c[1] / 2.0 + d * (c[2] / 3.0 + d * c[3] / 4.0)))))

@@ -85,7 +85,7 @@ def response(z: float, theta: float, phi: NDArray[np.float64], out: NDArray[np.f
             power *= theta
             total += LAGRANGE[p, node] * power * _FACTORIAL[p] * phi[p + 1]
         out[node] = total
-    return phi[0]
+    return float(phi[0])
 
 
 @kernel

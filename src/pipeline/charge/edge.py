@@ -24,7 +24,7 @@ from pipeline.charge.segment import (
     continue_moment,
     guard_at,
 )
-from pipeline.charge.step import DEPTH, START, TEMPERATURE, Run
+from pipeline.charge.state import DEPTH, START, TEMPERATURE, Run
 from pipeline.jit import kernel
 
 DONE, CIRCUIT_FAILED, STEPS_EXHAUSTED = range(3)
@@ -70,6 +70,7 @@ def run_edge(
         for n in range(segments):
             period_s += program.length_s[course, n]
         proposals[:] = math.inf
+        run.memory[:] = 0.0
         reason, periods = NOTHING, 0
         while reason == NOTHING:
             offset_s = 0.0
@@ -80,6 +81,7 @@ def run_edge(
                 time_s = segment_start_s
                 remaining_s = length_s
                 run.edges += 1
+                run.segment, run.place = segment, 0
                 fresh, first = True, True
                 while remaining_s > 0.0 and reason == NOTHING:
                     if time_s >= next_sample * sample_interval_s - _TICK:
@@ -111,8 +113,8 @@ def run_edge(
                         if proposal_s == math.inf:
                             proposal_s = min(length_s, maximum_step_s if length_s < math.inf else _FIRST_STEP_S)
                         fresh, first = False, True
-                    else:
-                        continue_moment(run)
+                    elif not continue_moment(cell, run, demand):
+                        return CIRCUIT_FAILED, time_s
                     due_s = min(next_sample * sample_interval_s, program.stop_elapsed_s, phase_end_s)
                     if supply + 1 < len(supply_time_s):
                         due_s = min(due_s, supply_time_s[supply + 1])
@@ -128,7 +130,7 @@ def run_edge(
                         return STEPS_EXHAUSTED, time_s
                     note_marks(cell, run, book, time_s, taken_s)
                     if len(book.windows) > 0:
-                        write_windows(cell, run, book, demand, time_s, taken_s, length_s)
+                        write_windows(cell, run, book, time_s, taken_s, length_s)
                     add_step(run, book, taken_s)
                     commit(run)
                     if first and length_s < math.inf:

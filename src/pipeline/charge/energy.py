@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from pipeline.cell.circuit import FIRST_PAIR, Cell, enthalpy
 from pipeline.cell.curves import value_and_slope
-from pipeline.charge.step import (
+from pipeline.charge.state import (
     DEPTH,
     ELECTRICAL,
     PAIR_HEAT,

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from pipeline.charge.records import Mode, Phase
-from pipeline.charge.waveforms import Segment, Staged, Until, Waveform
+from pipeline.charge.waveforms import Segment, Staged, Waveform
 from pipeline.errors import UserError, best_matches
 from pipeline.record import Number, Record, Reference
 
@@ -136,8 +136,3 @@ def _closed(values: Mapping[str, Number], where: str) -> dict[str, float]:
             raise UserError(f"{where}.{name}: still to be found by {value.source!r}; put the number in first")
         numbers[name] = value
     return numbers
-
-
-def elapsed(until: Until) -> bool:
-    """Return whether a limit ends by time."""
-    return until.elapsed_s is not None

@@ -11,8 +11,8 @@ from numpy.typing import NDArray
 from pipeline.cell.circuit import ENTROPIC, OPEN_CIRCUIT, REFERENCE_K, SERIES, Cell
 from pipeline.cell.curves import value_and_slope
 from pipeline.cell.relaxation import LAGRANGE, response
-from pipeline.charge.segment import Demand
-from pipeline.charge.step import (
+from pipeline.charge.moment import charge_transfer
+from pipeline.charge.state import (
     CHARGE,
     DEPTH,
     ELECTRICAL,
@@ -29,7 +29,6 @@ from pipeline.charge.step import (
     VOLTAGE_TIME,
     Run,
     T,
-    charge_transfer,
 )
 from pipeline.jit import inlined, kernel
 
@@ -92,12 +91,12 @@ def add_step(run: Run, book: Book, length_s: float) -> None:
         sums[SUPPLY_LIMITED_S] += length_s
     for n in range(len(gain)):
         book.recent_gains[n] += gain[n]
-    for j in range(4):
-        extremes[LOWEST_V] = min(extremes[LOWEST_V], at[TERMINAL_V, j])
-        extremes[HIGHEST_V] = max(extremes[HIGHEST_V], at[TERMINAL_V, j])
-        extremes[LOWEST_A] = min(extremes[LOWEST_A], at[TOTAL, j])
-        extremes[HIGHEST_A] = max(extremes[HIGHEST_A], at[TOTAL, j])
-        book.peak_k[0] = max(book.peak_k[0], at[T, j])
+    v, a, t = at[TERMINAL_V], at[TOTAL], at[T]
+    extremes[LOWEST_V] = min(extremes[LOWEST_V], min(min(v[0], v[1]), min(v[2], v[3])))
+    extremes[HIGHEST_V] = max(extremes[HIGHEST_V], max(max(v[0], v[1]), max(v[2], v[3])))
+    extremes[LOWEST_A] = min(extremes[LOWEST_A], min(min(a[0], a[1]), min(a[2], a[3])))
+    extremes[HIGHEST_A] = max(extremes[HIGHEST_A], max(max(a[0], a[1]), max(a[2], a[3])))
+    book.peak_k[0] = max(book.peak_k[0], max(max(t[0], t[1]), max(t[2], t[3])))
 
 
 @inlined
@@ -156,7 +155,7 @@ def depth_at(cell: Cell, run: Run, length_s: float, theta: float) -> float:
     for node in range(3):
         basis = LAGRANGE[0, node] + theta * (LAGRANGE[1, node] / 2.0 + theta * LAGRANGE[2, node] / 3.0)
         drawn += theta * basis * main[node]
-    return run.state[DEPTH] - length_s / cell.charge_as * drawn
+    return float(run.state[DEPTH] - length_s / cell.charge_as * drawn)
 
 
 @kernel
@@ -191,9 +190,7 @@ def note_marks(cell: Cell, run: Run, book: Book, time_s: float, length_s: float)
 
 
 @kernel
-def write_point(
-    cell: Cell, run: Run, book: Book, demand: Demand, window: int, time_s: float, length_s: float, theta: float
-) -> None:
+def write_point(cell: Cell, run: Run, book: Book, window: int, time_s: float, length_s: float, theta: float) -> None:
     """Write one point of a window inside the step just taken."""
     if book.filled[2] >= len(book.waveform):
         return
@@ -230,9 +227,7 @@ def write_point(
 
 
 @kernel
-def write_windows(
-    cell: Cell, run: Run, book: Book, demand: Demand, time_s: float, length_s: float, segment_s: float
-) -> None:
+def write_windows(cell: Cell, run: Run, book: Book, time_s: float, length_s: float, segment_s: float) -> None:
     """Write the part of the step just taken that lies in a window, on a grid of the segment, ends included."""
     for window in range(len(book.windows)):
         first, last = book.windows[window, 0], book.windows[window, 1]
@@ -244,4 +239,4 @@ def write_windows(
         for n in range(points + 1):
             when = begin + (finish - begin) * n / points
             theta = min(1.0, max(0.0, (when - time_s) / length_s))
-            write_point(cell, run, book, demand, window, time_s, length_s, theta)
+            write_point(cell, run, book, window, time_s, length_s, theta)

@@ -10,24 +10,24 @@ from numpy.typing import NDArray
 
 from pipeline.cell.circuit import Cell
 from pipeline.cell.relaxation import MOST_SLOTS, fill
-from pipeline.charge.step import (
+from pipeline.charge.error import step_error
+from pipeline.charge.moment import solve_start
+from pipeline.charge.state import (
     CURRENT_CONTROL,
     DEPTH,
     MAIN,
+    MOST_REMEMBERED,
     POWER_CONTROL,
     RELAXATIONS,
     START,
-    TEMPERATURE,
     TERMINAL_V,
     TOTAL,
     VOLTAGE_CONTROL,
     Run,
     T,
     X,
-    integrate,
-    solve_start,
-    step_error,
 )
+from pipeline.charge.step import integrate
 from pipeline.jit import inlined, kernel
 
 # What can happen inside a step. The first five follow the order of the limits of a phase, the next those of a stop.
@@ -61,7 +61,7 @@ def slot_of(cell: Cell, run: Run, length_s: float) -> int:
     slot = run.next_slot
     run.next_slot = (slot + 1) % MOST_SLOTS
     fill(run, slot, length_s, cell.tau_s, cell.relaxations)
-    return slot
+    return int(slot)
 
 
 @inlined
@@ -71,7 +71,7 @@ def target_of(cell: Cell, demand: Demand, control: int) -> float:
         return demand.current_a
     if control == VOLTAGE_CONTROL:
         return demand.limit_v
-    return demand.power_w / cell.cells
+    return float(demand.power_w / cell.cells)
 
 
 @kernel
@@ -81,17 +81,18 @@ def choose_control(cell: Cell, run: Run, demand: Demand) -> bool:
     run.control = CURRENT_CONTROL
     if cell.acceptance == 1:
         state[RELAXATIONS + cell.pairs] = max(0.0, state[RELAXATIONS + cell.pairs])
-    if not solve_start(cell, run, CURRENT_CONTROL, demand.current_a):
+    if not solve_start(cell, run, CURRENT_CONTROL, demand.current_a, demand.current_a):
         return False
     if demand.charging:
         if at[TERMINAL_V, START] > demand.limit_v:
             run.control = VOLTAGE_CONTROL
-            if not solve_start(cell, run, VOLTAGE_CONTROL, demand.limit_v):
+            if not solve_start(cell, run, VOLTAGE_CONTROL, demand.limit_v, at[MAIN, START]):
                 return False
         if cell.cells * at[TERMINAL_V, START] * at[TOTAL, START] > demand.power_w:
             run.control = POWER_CONTROL
-            if not solve_start(cell, run, POWER_CONTROL, demand.power_w / cell.cells):
+            if not solve_start(cell, run, POWER_CONTROL, demand.power_w / cell.cells, at[MAIN, START]):
                 return False
+    run.guess_a = at[MAIN, START]
     _choose_bypass(cell, run)
     return True
 
@@ -103,14 +104,11 @@ def _choose_bypass(cell: Cell, run: Run) -> None:
 
 
 @inlined
-def continue_moment(run: Run) -> None:
-    """Make the end of the last step the start of the next one, under the same control."""
-    for row in range(len(run.at)):
-        run.at[row, START] = run.at[row, 2]
-    run.at[X, START], run.at[T, START] = run.state[DEPTH], run.state[TEMPERATURE]
-    for k in range(len(run.value)):
-        run.resistance[k, START] = run.resistance[k, 2]
-        run.value[k, START] = run.value[k, 2]
+def continue_moment(cell: Cell, run: Run, demand: Demand) -> bool:
+    """Solve the start of the next step under the control of the last one; False where the circuit fails."""
+    # The step's own end is the better guess: where next to nothing is accepted, the start's balance is all rounding.
+    run.guess_a = run.at[MAIN, 2]
+    return solve_start(cell, run, run.control, target_of(cell, demand, run.control), run.guess_a)
 
 
 @inlined
@@ -162,6 +160,31 @@ def guard_at(cell: Cell, run: Run, demand: Demand, limits: NDArray[np.float64], 
 
 
 @inlined
+def clear(cell: Cell, run: Run, demand: Demand, limits: NDArray[np.float64]) -> bool:
+    """Tell whether a step under current control keeps clear of every guard: one look in place of three times twelve."""
+    if run.control != CURRENT_CONTROL or run.bypassed == 1:
+        return False
+    x, v, t, value = run.at[X], run.at[TERMINAL_V], run.at[T], run.value[cell.pairs]
+    highest_v = max(v[0], max(v[1], v[2]))
+    allowed_v = min(limits[1], limits[5]) * (1.0 - _ROUNDING)
+    if demand.charging:
+        allowed_v = min(allowed_v, demand.limit_v)
+        if cell.cells * highest_v * demand.current_a > demand.power_w:
+            return False
+    return bool(
+        highest_v <= allowed_v
+        and min(x[0], min(x[1], x[2])) >= max(limits[0], max(limits[4], limits[8]))
+        and max(t[0], max(t[1], t[2])) <= min(limits[3], limits[7])
+        and (cell.acceptance == 0 or min(value[0], min(value[1], value[2])) >= 0.0)
+    )
+
+
+@inlined
+def _fourth_root(value: float) -> float:
+    return math.sqrt(math.sqrt(value))
+
+
+@inlined
 def guard(cell: Cell, run: Run, demand: Demand, limits: NDArray[np.float64]) -> tuple[float, int]:
     """Return the nearest guard over the nodes of the step just taken."""
     least, what = guard_at(cell, run, demand, limits, 2)
@@ -187,8 +210,33 @@ def set_guess(cell: Cell, run: Run, length_s: float) -> None:
     at = run.at
     room = 0.5 * run.state[DEPTH] * cell.charge_as / length_s
     for j in range(3):
-        at[MAIN, j] = min(at[MAIN, START], room)
+        at[MAIN, j] = min(run.guess_a, room)
         at[T, j] = at[T, START]
+
+
+@inlined
+def recall(run: Run, length_s: float) -> None:
+    """Guess what the same step of the last period came to, if it was of this length and under this control."""
+    if run.place >= MOST_REMEMBERED:
+        return
+    last, at = run.memory[run.segment, run.place], run.at
+    if last[0] == length_s and last[1] == run.control:
+        for j in range(3):
+            at[MAIN, j] = last[2 + j]
+            at[T, j] = at[T, START] + last[5 + j]
+
+
+@inlined
+def remember(run: Run, length_s: float) -> None:
+    """Keep what a step came to, for the same step of the next period."""
+    if run.place >= MOST_REMEMBERED:
+        return
+    last, at = run.memory[run.segment, run.place], run.at
+    last[0], last[1] = length_s, run.control
+    for j in range(3):
+        last[2 + j] = at[MAIN, j]
+        last[5 + j] = at[T, j] - at[T, START]
+    run.place += 1
 
 
 @kernel
@@ -255,16 +303,20 @@ def advance(
     length_s = min(longest_s, proposal_s)
     for _ in range(2000):
         set_guess(cell, run, length_s)
+        recall(run, length_s)
         fine = try_step(cell, run, demand, ambient_k, length_s)
         error = step_error(cell, run, length_s, run.bypassed == 1) / tolerance if fine else 1e8
         if not error < 1.0:
-            length_s *= max(0.1, 0.8 * error**-0.25) if math.isfinite(error) else 0.1
+            length_s *= max(0.1, 0.8 / _fourth_root(error)) if math.isfinite(error) else 0.1
             if length_s < 1e-200:
                 return 0.0, FAILED, 1.0
             continue
-        gap, what = guard(cell, run, demand, limits)
+        gap, what = 0.0, NOTHING
+        if not clear(cell, run, demand, limits):
+            gap, what = guard(cell, run, demand, limits)
         if gap >= 0.0:
-            return length_s, NOTHING, min(4.0, 0.8 * (error + 1e-12) ** -0.25)
+            remember(run, length_s)
+            return length_s, NOTHING, min(4.0, 0.8 / _fourth_root(error + 1e-12))
         found, what = locate(cell, run, demand, limits, ambient_k, length_s)
         if what == FAILED:
             length_s *= 0.25

@@ -19,7 +19,7 @@ from pipeline.charge.protocol import UNTIL, Protocol, resolve
 from pipeline.charge.record_keeping import PHASE_COLUMNS, SAMPLE_COLUMNS, SUMS, WAVEFORM_COLUMNS, Book
 from pipeline.charge.records import ChargeSettings, EngineSettings, Mode
 from pipeline.charge.segment import LIMITS
-from pipeline.charge.step import DEPTH, PAIR_HEAT, TEMPERATURE, Run, new_run
+from pipeline.charge.state import DEPTH, PAIR_HEAT, TEMPERATURE, Run, new_run
 from pipeline.charge.summary import Quantity, summarise
 
 Columns = dict[str, Any]

@@ -17,7 +17,7 @@ from pipeline.charge.record_keeping import (
     VOLTAGE_LIMITED_S,
 )
 from pipeline.charge.records import ChargeSettings
-from pipeline.charge.step import DEPTH, TEMPERATURE
+from pipeline.charge.state import DEPTH, TEMPERATURE
 
 if TYPE_CHECKING:
     from pipeline.charge.simulate import Outcome

@@ -11,7 +11,7 @@ from pathlib import Path
 from pipeline import planfile, store
 from pipeline.config.compose import compose_tree, expand, groups, options
 from pipeline.digest import PROJECT
-from pipeline.errors import UserError
+from pipeline.errors import UserError, best_matches
 from pipeline.plan import make_plan
 
 EXAMPLES = """\
@@ -32,12 +32,16 @@ def main(arguments: Sequence[str]) -> int:
     if unknown:
         raise UserError(f"option {unknown[0]}: unknown; see python -m pipeline --help")
     words = [*options_.overrides, *overrides]
-    runs = expand(words) if options_.multirun else [words]
+    runs = expand(words)
+    if len(runs) > 1 and not options_.multirun:
+        raise UserError(f"{' '.join(words)}: {len(runs)} runs; a sweep needs -m")
     if options_.cfg:
         for run in runs:
             _show(run)
         return 0
     plan = make_plan(runs)
+    if options_.target not in plan["targets"]:
+        raise UserError(f"target {options_.target!r}: unknown; {best_matches(options_.target, plan['targets'])}")
     file = planfile.save(plan, store.RESULTS)
     print(
         f"plan {file}: {len(runs)} run{'s' * (len(runs) != 1)}, {len(plan['nodes'])} artefacts, "

@@ -43,8 +43,6 @@ def _artefacts(results: Path) -> Iterator[Path]:
 
 
 def _needed(results: Path) -> set[str]:
-    """Return step/key of every node of the runs that are published."""
-    digests = {json.loads(path.read_text())["digest"] for path in results.glob("*/*/manifest.json")}
-    plans = [json.loads(path.read_text()) for path in (results / "plan").glob("*.json")]
-    runs = [run for plan in plans for run in plan["runs"] if run["digest"] in digests]
-    return {f"{node['step']}/{node['key']}" for run in runs for node in run["nodes"].values()}
+    """Return step/key of every node of the runs that are published, whole or in part."""
+    manifests = [json.loads(path.read_text()) for path in results.glob("*/*/manifest*.json")]
+    return {f"{node['step']}/{node['key']}" for manifest in manifests for node in manifest["nodes"].values()}

@@ -56,8 +56,9 @@ class Composed:
                 continue
             keys = path[len(package) :].strip(".").split(".") if path != package else []
             depth, line = _locate(file, keys)
-            if depth + package.count(".") >= best[0]:
-                best = (depth + package.count("."), f"{_shown(file)}:{line}")
+            depth += len(package.split(".")) if package else 0
+            if depth >= best[0]:
+                best = (depth, f"{_shown(file)}:{line}")
         return best[1]
 
 
@@ -180,8 +181,8 @@ def _refused(error: Exception, words: Iterable[str]) -> UserError:
         for depth, key in enumerate(keys):
             if not isinstance(here, dict) or key not in here:
                 known = [name for name in here if name not in ("sources", "hydra")] if isinstance(here, dict) else []
-                if depth == 0:
-                    known = sorted({*known, *groups()})
+                if depth == 0 and key in groups():
+                    return UserError(f"override {word}: this study has no {key}; it has: {', '.join(sorted(here))}")
                 parent = ".".join(keys[:depth]) or "the configuration"
                 return UserError(f"override {word}: {parent} has no key {key!r}; {best_matches(key, known)}")
             here = here[key]

@@ -52,7 +52,9 @@ def split(tree: Mapping[str, Any], path: str = "") -> tuple[dict[str, Any], dict
     for key, value in tree.items():
         here = f"{path}.{key}" if path else str(key)
         if key == "sources":
-            found.update(_flat(value or {}, path))
+            if not isinstance(value, Mapping):
+                raise UserError(f"{path}.sources: value {value!r}; allowed is a mapping with the names of the values")
+            found.update(_flat(value, path))
         elif isinstance(value, Mapping):
             values[key], below = split(value, here)
             found.update(below)
@@ -112,6 +114,7 @@ def attribute(
             elif isinstance(value, Mapping):
                 result[path] = Source(kind="found", ref=f"{value['value']} of {value['from']}")
             elif (source := _covering(records, path)) is not None:
+                _check_range(composed, path, value, source)
                 result[path] = source
             else:
                 missing.append(f"  {composed.origin(path)}: {path} = {value}")
@@ -121,6 +124,19 @@ def attribute(
             "{kind: published | data_sheet | derived | estimate | calibrated, ref: ...}):\n" + "\n".join(missing)
         )
     return result
+
+
+def _check_range(composed: Composed, path: str, value: Any, source: Source) -> None:
+    if source.range is None:
+        return
+    if not _is_number(value):
+        raise UserError(
+            f"{composed.origin(path)}: {path}: value {value}; its source has a range, which one number needs"
+        )
+    if not source.range[0] <= value <= source.range[1]:
+        raise UserError(
+            f"{composed.origin(path)}: {path}: value {value} lies outside the range of its own source, {source.range}"
+        )
 
 
 def _flat(sources: Mapping[str, Any], path: str) -> dict[str, Any]:

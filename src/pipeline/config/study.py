@@ -7,7 +7,7 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
-from pydantic import Field, ValidationError
+from pydantic import Field, ValidationError, field_validator
 
 from pipeline.cell.records import Battery
 from pipeline.charge import checks as charge_checks
@@ -31,15 +31,40 @@ from pipeline.search.records import ChaosSettings
 from pipeline.search.registry import AnySettings
 from pipeline.taguchi.records import Design
 
+# Targets of the workflow, and folders of results/ that are not studies.
+RESERVED = frozenset(
+    {
+        "all",
+        "benchmarks",
+        "charges",
+        "figures",
+        "logs",
+        "panel",
+        "plan",
+        "receipts",
+        "report",
+        "search",
+        "store",
+        "tuning",
+    }
+)
+
 
 class StudyCard(Record):
     """What a study is called and which paper it follows."""
 
-    name: str = Field(pattern=r"^[a-z][a-z0-9_]*$", description="name of the study, also of its folders")
+    name: str = Field(pattern=r"^[a-z][a-z0-9_]*$", description="name of the study, also of its folders and target")
     title: str
     question: str = Field(description="what the study asks, in a sentence")
     paper: str = Field(description="citation of the paper it follows")
     doi: str = Field(default="", description="the paper's DOI, where it has one")
+
+    @field_validator("name")
+    @classmethod
+    def _free(cls, name: str) -> str:
+        if name in RESERVED:
+            raise ValueError(f"{name!r} is taken; not allowed are {', '.join(sorted(RESERVED))}")
+        return name
 
 
 class Comparison(Record):
@@ -75,13 +100,13 @@ class Study(Record):
     oracle: AnySettings | None = Field(default=None, description="the sweep it is held against")
     figures: dict[str, FigureCard] = Field(default_factory=dict)
     published: dict[str, Statement] = Field(default_factory=dict)
-    sources: dict[str, Source]
+    sources: dict[str, Source] = Field(default_factory=dict)
     overrides: tuple[str, ...] = Field(default=(), description="the overrides, without the choice of the study")
     configuration: dict[str, Any] = Field(description="the composed configuration as plain data")
 
     def parameter_sections(self) -> tuple[str, ...]:
         """Return the key paths below which every number is a physical parameter with a source."""
-        return sections(self.run)
+        return sections(tuple(self.modes))
 
     def parameters(self, section: str) -> Iterator[tuple[str, Any]]:
         """Yield key path and value of every parameter below a section."""
@@ -91,9 +116,9 @@ class Study(Record):
         return leaves(here, section)
 
 
-def sections(run: tuple[str, ...]) -> tuple[str, ...]:
-    """Return the sections of the configuration that hold physical parameters, for the modes that are run."""
-    modes = tuple(f"modes.{name}" for name in run)
+def sections(modes_in_use: tuple[str, ...]) -> tuple[str, ...]:
+    """Return the sections of the configuration that hold physical parameters, for the modes in use."""
+    modes = tuple(f"modes.{name}" for name in modes_in_use)
     charge = ("charge.initial_soc", "charge.ambient_c")
     return (
         *("panel", "weather", "converter", "load", "battery"),
@@ -112,47 +137,47 @@ def study_from(composed: Composed) -> Study:
     """
     values, written = split(composed.tree)
     values = _choose_modes(composed, values)
-    taken = {path: source for path, source in written.items() if not _unused_mode(path, values)}
-    sources = attribute(composed, values, taken, sections(tuple(values["run"])))
     try:
         study = Study(
-            **{key: value for key, value in values.items() if key in Study.model_fields},
-            **_unknown(values),
-            sources=sources,
+            **values,
             overrides=tuple(word for word in composed.overrides if not word.startswith("study=")),
             configuration=values,
         )
     except ValidationError as error:
         raise explain(error, values, "", composed.origin, Study) from None
+    taken = {path: source for path, source in written.items() if not _unused_mode(path, values)}
+    sources = attribute(composed, values, taken, study.parameter_sections())
+    study = study.model_copy(update={"sources": sources})
     _check_together(composed, study)
     return study
 
 
-def _unknown(values: Mapping[str, Any]) -> dict[str, Any]:
-    return {key: value for key, value in values.items() if key not in Study.model_fields}
-
-
 def _choose_modes(composed: Composed, values: dict[str, Any]) -> dict[str, Any]:
     """Keep the modes that are run or referred to; every file of conf/modes is known, none has to be used."""
-    known = {name: mode for name, mode in values.get("modes", {}).items() if name != "run"}
-    run = values.get("modes", {}).get("run")
-    if not isinstance(run, list) or not run:
+    modes = values.get("modes")
+    if not isinstance(modes, Mapping):
+        raise UserError(f"{composed.origin('modes')}: modes: value {modes!r}; allowed is a mapping with `run` in it")
+    known = {name: mode for name, mode in modes.items() if name != "run"}
+    run = modes.get("run")
+    if not isinstance(run, list) or not run or not all(isinstance(name, str) for name in run):
         raise UserError(
             f"{composed.origin('modes.run')}: modes.run: value {run!r}; allowed is a list of modes, "
             f"{best_matches('', known)}"
         )
     wanted = [*run]
-    for name, comparison in (values.get("comparisons") or {}).items():
-        reference = (comparison or {}).get("mean_current_of")
-        if reference is not None:
+    comparisons = values.get("comparisons")
+    for name, comparison in comparisons.items() if isinstance(comparisons, Mapping) else ():
+        reference = comparison.get("mean_current_of") if isinstance(comparison, Mapping) else None
+        if isinstance(reference, str):
             wanted.append(reference)
             if reference not in known:
                 path = f"comparisons.{name}.mean_current_of"
                 raise UserError(
                     f"{composed.origin(path)}: {path}: no mode {reference!r}; {best_matches(str(reference), known)}"
                 )
-    searched = (values.get("objective") or {}).get("mode")
-    if searched in known:
+    objective = values.get("objective")
+    searched = objective.get("mode") if isinstance(objective, Mapping) else None
+    if isinstance(searched, str) and searched in known:
         wanted.append(searched)
     for name in run:
         if name not in known:
@@ -173,8 +198,8 @@ def _unused_mode(path: str, values: Mapping[str, Any]) -> bool:
 def _check_together(composed: Composed, study: Study) -> None:
     """Check what no record can check alone."""
     with _explained(composed):
-        for name in study.run:
-            with _below(f"modes.{name}"):
+        for name in study.modes:
+            with _below(composed, f"modes.{name}"):
                 charge_checks.check(study.battery, study.modes[name], study.charge)
         if study.panel is not None:
             if study.weather is None or study.converter is None or study.load is None:
@@ -183,6 +208,10 @@ def _check_together(composed: Composed, study: Study) -> None:
             voltage = study.panel.max_power_voltage_v * study.panel.panels_in_series
             supply_checks.check(power, voltage, study.converter, study.load)
         searching.check(study)
+        tables = {path.stem for path in reference_tables()}
+        if study.design is not None and study.design.printed not in {None, *tables}:
+            printed = str(study.design.printed)
+            raise UserError(f"design.printed: no table {printed!r}; {best_matches(printed, tables)}")
         own = f"{study.study.name}."
         fitted = {source.to for source in study.sources.values() if source.to is not None}
         calibrated = {name.removeprefix(own) for name in fitted if name.startswith(own)}
@@ -212,12 +241,14 @@ def _numbers(study: Study) -> dict[str, set[str]]:
 
 
 @contextmanager
-def _below(path: str) -> Iterator[None]:
-    """Put a key path before the message of a check."""
+def _below(composed: Composed, path: str) -> Iterator[None]:
+    """Put a key path before the message of a check, and the overrides below it, which are the likely cause."""
     try:
         yield
     except (UserError, ValueError) as error:
-        raise UserError(f"{path}.{error}") from None
+        words = [word for word in composed.overrides if word.lstrip("+").startswith(f"{path}.")]
+        cause = f"override {' '.join(words)}: " if words else ""
+        raise UserError(f"{cause}{path}.{error}") from None
 
 
 @contextmanager
@@ -226,5 +257,6 @@ def _explained(composed: Composed) -> Iterator[None]:
     try:
         yield
     except UserError as error:
-        path = str(error).split(":")[0].split(" ")[0]
-        raise UserError(f"{composed.origin(path)}: {error}") from None
+        message = str(error)
+        path = message.split(":")[0].split(" ")[0]
+        raise UserError(message if path == "override" else f"{composed.origin(path)}: {message}") from None

@@ -111,11 +111,13 @@ def found_quantities(
     Kind of input -> names in its table `quantities`.
     """
     names = list(searches)
-    tuned = {f"{of}_{name}" for of in ("published", "rerun") for name in _expand(_TUNING, factor=factors)}
+    sets = ("published", "rerun")
+    tuned = {f"{of}_{name}" for of in sets for name in _expand(_TUNING, factor=factors)}
     return {
         "chaos": _expand(_CHAOS, bins=bins),
         "objective": _expand(_OBJECTIVE, mode=modes, place=("optimum", "classic", "impedance_minimum")),
-        "tuning": tuned | _expand("factorial_best_{factor} factorial_best_mw2_s", factor=factors),
+        "tuning": tuned
+        | _expand("factorial_best_{factor} factorial_best_mw2_s factorial_rank_of_{of}", factor=factors, of=sets),
         "search": _expand(_SEARCH, search=names, other=names[1:], first=names[:1], end=("", "_low", "_high")),
     }
 

@@ -37,7 +37,7 @@ def outcome(histories: Mapping[str, History], seed: int) -> Outcome:
     first = next(iter(histories))
     target, _ = _best(histories[SWEEP])
     measures = {ITERATIONS: iterations_within(target, WITHIN_HZ), DISTANCE: final_distance(target)}
-    rng = np.random.default_rng(np.random.SeedSequence([seed, len(histories)]))
+    rng = np.random.default_rng(np.random.SeedSequence(seed, spawn_key=(1,)))
     peers = {name: history for name, history in histories.items() if _peer(name, history, histories[first])}
     statistics, differences = compare(peers, measures, rng)
     others = {name: history for name, history in histories.items() if name not in peers}

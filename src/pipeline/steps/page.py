@@ -12,6 +12,7 @@ from pipeline.report import tables as report_tables
 from pipeline.report.data import ReportData
 from pipeline.report.pages import PageContent, PageFigure, Paper, render
 from pipeline.report.parameters import parameters
+from pipeline.report.search_tables import search_tables
 from pipeline.report.tables import ReportTable
 from pipeline.steps.labels import report_data
 
@@ -27,7 +28,7 @@ def run(settings: Mapping[str, Any], inputs: Mapping[str, Path], output: Path) -
     study = settings["study"]
     page = PageContent(
         title=study["title"],
-        subtitle=f"{study['question']} {settings['battery']}.",
+        subtitle=" ".join([f"{study['question']} {settings['battery']}.", *_departure(settings["overrides"])]),
         paper=Paper(study["paper"], study["doi"]),
         verdicts=verdicts,
         figures=[_figure(card, inputs[f"figure/{card['name']}"]) for card in settings["figures"]],
@@ -42,11 +43,16 @@ def run(settings: Mapping[str, Any], inputs: Mapping[str, Path], output: Path) -
         (output / "tables" / f"{table.name}.csv").write_text(report_tables.to_csv(table), encoding="utf-8")
 
 
+def _departure(overrides: list[str]) -> list[str]:
+    """Say in a sentence that a run is not the study's own, so that its verdicts are not taken for the paper's."""
+    return [f"This run departs from the study by {', '.join(overrides)}; so do its verdicts."] if overrides else []
+
+
 def _tables(data: ReportData, inputs: Mapping[str, Path]) -> list[ReportTable]:
     shown = [report_tables.charges(data), report_tables.energy(data)]
     if "panel" in inputs:
         shown.insert(0, report_tables.table_1(data, REFERENCE / "solar_table1.csv"))
-    return shown
+    return shown + search_tables(data, REFERENCE)
 
 
 def _verdicts(inputs: Mapping[str, Path]) -> dict[str, Any]:

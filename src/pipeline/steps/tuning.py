@@ -36,9 +36,11 @@ def run(settings: Mapping[str, Any], inputs: Mapping[str, Path], output: Path) -
     swarm, seed = Settings.model_validate(settings["swarm"]), int(settings["seed"])
     objective = objective_of(Problem.model_validate(settings["problem"]))
     numbers: list[Quantity] = []
+    choices: dict[str, dict[str, float]] = {}
     if design.printed is not None:
         factors, array, values = _printed(REFERENCE / f"{design.printed}.csv", tuple(design.factors))
         numbers += _analyse("published", factors, array, values[:, None], output)
+        choices["published"] = summary.chosen_values(factors, array, values)
 
     def searched(runs: Levels, replicates: int) -> Array:
         knobs = arrays.factor_values(design, runs)
@@ -47,24 +49,27 @@ def run(settings: Mapping[str, Any], inputs: Mapping[str, Path], output: Path) -
     array, counts = arrays.rows(design), tuple(len(levels) for levels in design.factors.values())
     values = searched(array, design.replicates)
     means, elsewhere = np.mean(values, axis=1), np.nan
+    choices["rerun"] = summary.chosen_values(design.factors, array, means)
+    whole = tuning_tables.nothing(schemas.TUNING_FACTORIAL)
+    agreement = tuning_tables.nothing(schemas.TUNING_AGREEMENT)
     if design.factorial_replicates > 0:
         combinations = arrays.full_factorial(counts)
         factorial = searched(combinations, design.factorial_replicates)
-        chosen = arrays.index_in_factorial(chosen_levels(array, means)[None, :], counts)
-        elsewhere = float(np.mean(factorial[chosen[0]]))
-        numbers += summary.best_of_factorial(design.factors, combinations, np.mean(factorial, axis=1))
-        whole = tuning_tables.factorial(
-            design.factors, combinations, factorial, arrays.index_in_factorial(array, counts)
-        )
+        of_all = np.mean(factorial, axis=1)
+        elsewhere = float(of_all[arrays.index_in_factorial(chosen_levels(array, means)[None, :], counts)[0]])
+        numbers += summary.best_of_factorial(design.factors, combinations, of_all)
+        numbers += [
+            summary.rank_in_factorial(name, chosen, design.factors, combinations, of_all)
+            for name, chosen in choices.items()
+        ]
+        held = arrays.index_in_factorial(array, counts)
+        whole = tuning_tables.factorial(design.factors, combinations, factorial, held)
         agreement = tuning_tables.agreements(tuple(design.factors), array, counts, factorial)
-    else:
-        whole = tuning_tables.nothing(schemas.TUNING_FACTORIAL)
-        agreement = tuning_tables.nothing(schemas.TUNING_AGREEMENT)
     numbers += _analyse("rerun", design.factors, array, values, output, elsewhere)
     tables.write(schemas.TUNING_FACTORIAL, whole, output / "factorial.parquet")
     tables.write(schemas.TUNING_AGREEMENT, agreement, output / "agreement.parquet")
     tables.write(schemas.QUANTITIES, quantity.columns(numbers), output / "quantities.parquet")
-    found.write(summary.chosen_values(design.factors, array, means), output)
+    found.write(choices["rerun"], output)
 
 
 def _analyse(

@@ -89,3 +89,16 @@ def best_of_factorial(factors: Mapping[str, Sequence[float]], combinations: Leve
         ),
         Quantity("factorial_best_mw2_s", float(means[best]), RESULT, "mean result of the best combination"),
     ]
+
+
+def rank_in_factorial(
+    of: str, chosen: Mapping[str, float], factors: Mapping[str, Sequence[float]], combinations: Levels, means: Array
+) -> Quantity:
+    """Return the rank of a choice among all combinations; NaN where the factorial does not hold it."""
+    says = f"rank of the levels chosen by {of} among all combinations"
+    name = f"factorial_rank_of_{of}"
+    if any(chosen[factor] not in factors[factor] for factor in factors):
+        return Quantity(name, math.nan, "1", says)
+    levels = np.array([list(factors[factor]).index(chosen[factor]) for factor in factors])
+    index = run_at(combinations, levels)
+    return Quantity(name, math.nan if index is None else float(rank(means, index)), "1", says)

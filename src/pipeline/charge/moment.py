@@ -1,0 +1,179 @@
+"""The circuit at one moment: a node of a step, or its start."""
+
+from __future__ import annotations
+
+import math
+
+from pipeline.cell.circuit import (
+    ENTROPIC,
+    EXCHANGE,
+    FIRST_PAIR,
+    OPEN_CIRCUIT,
+    REFERENCE_K,
+    SERIES,
+    THERMAL_V_PER_K,
+    Cell,
+    side_current,
+)
+from pipeline.cell.curves import value_and_slope
+from pipeline.charge.state import (
+    CURRENT_CONTROL,
+    DEPTH,
+    ENTROPY,
+    ETA,
+    ETA_BY_DEPTH,
+    ETA_SLOPE,
+    MAIN,
+    NODE_V,
+    OHM,
+    OHM_SLOPE,
+    OPEN_SLOPE,
+    RELAXATIONS,
+    REVERSIBLE,
+    SIDE,
+    SIDE_SLOPE,
+    SLOW_V,
+    START,
+    TEMPERATURE,
+    TERMINAL_V,
+    TOTAL,
+    VOLTAGE_CONTROL,
+    Run,
+    T,
+    X,
+)
+from pipeline.jit import inlined, kernel
+
+
+@inlined
+def circuit_at(cell: Cell, run: Run, j: int) -> None:
+    """Evaluate at moment j everything that depends on SOC alone, and its slope with x."""
+    at, slope = run.at, run.depth_slope
+    x = at[X, j]
+    open_v, open_slope = value_and_slope(cell, OPEN_CIRCUIT, x)
+    entropy, entropy_slope = value_and_slope(cell, ENTROPIC, x)
+    warmer = at[T, j] - REFERENCE_K
+    at[SLOW_V, j] = open_v + entropy * warmer
+    at[ENTROPY, j] = entropy
+    slope[OPEN_SLOPE, j] = open_slope + entropy_slope * warmer
+    at[OHM, j], slope[OHM_SLOPE, j] = value_and_slope(cell, SERIES, x)
+    for k in range(cell.pairs):
+        run.resistance[k, j], run.slope[k, j] = value_and_slope(cell, FIRST_PAIR + k, x)
+        run.inverse[k, j] = 1.0 / run.resistance[k, j] if run.resistance[k, j] > 0.0 else 0.0
+    if cell.acceptance == 1:
+        k = cell.pairs
+        run.inverse[k, j] = x / cell.acceptance_ohm
+        run.resistance[k, j] = cell.acceptance_ohm / x
+        run.slope[k, j] = -run.resistance[k, j] / x
+        run.bend[k] = -2.0 * run.slope[k, j] / x
+
+
+@inlined
+def circuit_near(cell: Cell, run: Run, j: int) -> None:
+    """Do as `circuit_at` for a moment so near the start that straight lines from there serve."""
+    at, slope = run.at, run.depth_slope
+    moved, warmed = at[X, j] - at[X, START], at[T, j] - at[T, START]
+    at[ENTROPY, j] = at[ENTROPY, START]
+    at[SLOW_V, j] = at[SLOW_V, START] + slope[OPEN_SLOPE, START] * moved + at[ENTROPY, START] * warmed
+    at[OHM, j] = at[OHM, START] + slope[OHM_SLOPE, START] * moved
+    slope[OPEN_SLOPE, j], slope[OHM_SLOPE, j] = slope[OPEN_SLOPE, START], slope[OHM_SLOPE, START]
+    for k in range(cell.pairs + cell.acceptance):
+        run.resistance[k, j] = run.resistance[k, START] + run.slope[k, START] * moved
+        run.slope[k, j] = run.slope[k, START] + run.bend[k] * moved
+        inverse = run.inverse[k, START]
+        run.inverse[k, j] = inverse - inverse * inverse * run.slope[k, START] * moved
+
+
+@inlined
+def charge_transfer(cell: Cell, x: float, temperature_k: float, main_a: float) -> tuple[float, float, float]:
+    """Return the overpotential (2RT/F) asinh(i / 2 i0) [V] and its slopes with current and with x."""
+    if cell.transfer == 0:
+        return 0.0, 0.0, 0.0
+    exchange, exchange_slope = value_and_slope(cell, EXCHANGE, x)
+    scale = 2.0 * THERMAL_V_PER_K * temperature_k
+    with_current = scale / math.hypot(main_a, 2.0 * exchange)
+    overpotential = scale * math.asinh(main_a / (2.0 * exchange))
+    return overpotential, with_current, -with_current * main_a / exchange * exchange_slope
+
+
+@inlined
+def finish_moment(cell: Cell, run: Run, j: int, relaxed_v: float, control: int, target: float) -> tuple[float, float]:
+    """Evaluate moment j for its main current; return the control's residual and its slope with that current alone."""
+    at = run.at
+    eta, eta_slope, run.depth_slope[ETA_BY_DEPTH, j] = charge_transfer(cell, at[X, j], at[T, j], at[MAIN, j])
+    node_v = at[SLOW_V, j] + relaxed_v + eta
+    side, side_slope = side_current(cell, node_v, at[T, j])
+    total = at[MAIN, j] + side
+    terminal_v = node_v + at[OHM, j] * total
+    at[ETA, j], at[NODE_V, j], at[SIDE, j], at[SIDE_SLOPE, j] = eta, node_v, side, side_slope
+    at[TOTAL, j], at[TERMINAL_V, j], at[ETA_SLOPE, j] = total, terminal_v, eta_slope
+    total_slope = 1.0 + side_slope * eta_slope
+    if control == CURRENT_CONTROL:
+        return total - target, total_slope
+    if control == VOLTAGE_CONTROL:
+        return terminal_v - target, eta_slope + at[OHM, j] * total_slope
+    slope = (eta_slope + at[OHM, j] * total_slope) * total + terminal_v * total_slope
+    return terminal_v * total - target, slope
+
+
+@kernel
+def solve_start(cell: Cell, run: Run, control: int, target: float, guess: float) -> bool:
+    """Solve the circuit for the state as it stands and fill the start column; False where that fails.
+
+    The residual rises with the current and bends upwards, so Newton's iteration cannot circle.
+    """
+    at, state = run.at, run.state
+    at[X, START], at[T, START] = state[DEPTH], state[TEMPERATURE]
+    circuit_at(cell, run, START)
+    relaxed = 0.0
+    for k in range(cell.pairs + cell.acceptance):
+        relaxed += state[RELAXATIONS + k]
+        run.value[k, START] = state[RELAXATIONS + k]
+    at[MAIN, START] = guess
+    if control == CURRENT_CONTROL and cell.transfer == 0:
+        # The side current does not depend on the main one.
+        residual, _ = finish_moment(cell, run, START, relaxed, control, target)
+        at[MAIN, START] -= residual
+        at[TOTAL, START] = target
+        at[TERMINAL_V, START] = at[NODE_V, START] + at[OHM, START] * target
+        return math.isfinite(residual)
+    scale = abs(target) + 1e-9
+    for _ in range(400):
+        residual, slope = finish_moment(cell, run, START, relaxed, control, target)
+        if not math.isfinite(residual):
+            return False
+        change = residual / slope
+        if abs(residual) <= 2e-15 * scale or abs(change) <= 1e-16 * abs(at[MAIN, START]):
+            return True
+        at[MAIN, START] -= change
+        if abs(change) <= 1e-9 * abs(at[MAIN, START]):
+            finish_moment(cell, run, START, relaxed, control, target)
+            return True
+    return False
+
+
+@inlined
+def node_heat(cell: Cell, run: Run, j: int) -> float:
+    """Return the heat of the whole battery at moment j [W], the relaxation of gas left out."""
+    at = run.at
+    main = at[MAIN, j]
+    if cell.thermoneutral == 1:
+        reversible = main * (at[SLOW_V, j] - cell.thermoneutral_v)
+    else:
+        reversible = main * at[T, j] * at[ENTROPY, j]
+    at[REVERSIBLE, j] = reversible
+    heat = reversible + at[OHM, j] * at[TOTAL, j] ** 2 + at[ETA, j] * main + at[SIDE, j] * (at[NODE_V, j] - cell.gas_v)
+    for k in range(cell.pairs + cell.acceptance):
+        run.conductance[k, j] = pair_conductance(cell, run, k, j)
+        heat += run.value[k, j] ** 2 * run.conductance[k, j]
+    if cell.recombination == 1:
+        heat += run.value[cell.relaxations - 1, j] * cell.gas_v
+    return float(cell.cells * heat)
+
+
+@inlined
+def pair_conductance(cell: Cell, run: Run, k: int, j: int) -> float:
+    """Return what turns v^2 into the heat of pair k: 1/R - (dC/dt)/2 with C = tau / R [S]."""
+    inverse = run.inverse[k, j]
+    drift = 0.5 * cell.tau_s[k] * run.slope[k, j] * inverse * run.at[MAIN, j] * cell.per_as
+    return float((1.0 - drift) * inverse)

@@ -1,0 +1,99 @@
+"""The state of a run and the names of its rows."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from pipeline.cell.circuit import MOST_RELAXATIONS
+from pipeline.cell.relaxation import WEIGHT_FIELDS
+
+CURRENT_CONTROL, VOLTAGE_CONTROL, POWER_CONTROL = range(3)
+
+# State of the battery: 1 - SOC, temperature [K], then the relaxations.
+DEPTH, TEMPERATURE, RELAXATIONS = range(3)
+
+# What a step adds, per battery; dissipation of the pairs follows.
+(
+    CHARGE,
+    SIDE_CHARGE,
+    VOLTAGE_TIME,
+    ELECTRICAL,
+    SERIES_HEAT,
+    TRANSFER_HEAT,
+    REVERSIBLE_HEAT,
+    SIDE_HEAT,
+    TO_AMBIENT,
+    PAIR_HEAT,
+) = range(10)
+
+# Rows of the quantities at a moment: columns are the three nodes and, fourth, the start of the step.
+(
+    MAIN,
+    SIDE,
+    TOTAL,
+    X,
+    T,
+    NODE_V,
+    SLOW_V,
+    OHM,
+    ETA,
+    ENTROPY,
+    REVERSIBLE,
+    HEAT,
+    TERMINAL_V,
+    SIDE_SLOPE,
+    ETA_SLOPE,
+    QUANTITIES,
+) = range(16)
+START = 3
+
+MOST_REMEMBERED = 16
+
+RUN = np.dtype(
+    [
+        ("state", np.float64, (RELAXATIONS + MOST_RELAXATIONS,)),
+        ("end", np.float64, (RELAXATIONS + MOST_RELAXATIONS,)),
+        ("gain", np.float64, (PAIR_HEAT + MOST_RELAXATIONS,)),
+        ("at", np.float64, (QUANTITIES, 4)),
+        ("forcing", np.float64, (MOST_RELAXATIONS, 4)),
+        ("value", np.float64, (MOST_RELAXATIONS, 4)),
+        ("resistance", np.float64, (MOST_RELAXATIONS, 4)),
+        ("slope", np.float64, (MOST_RELAXATIONS, 4)),
+        ("inverse", np.float64, (MOST_RELAXATIONS, 4)),
+        ("bend", np.float64, (MOST_RELAXATIONS,)),
+        ("conductance", np.float64, (MOST_RELAXATIONS, 4)),
+        ("depth_slope", np.float64, (3, 4)),
+        ("jacobian", np.float64, (3, 3)),
+        ("residual", np.float64, (3,)),
+        ("proposal_s", np.float64, (3, 3)),
+        ("guess_a", np.float64),
+        # Of each segment's steps in the last period: length, control, node currents, node temperature rises.
+        ("memory", np.float64, (3, MOST_REMEMBERED, 8)),
+        ("segment", np.int64),
+        ("place", np.int64),
+        ("control", np.int64),
+        ("bypassed", np.int64),
+        ("next_slot", np.int64),
+        ("steps", np.int64),
+        ("edges", np.int64),
+        ("changes", np.int64),
+        *WEIGHT_FIELDS,
+    ],
+    align=True,
+)
+"""Everything of a run that changes, in one record: nothing is allocated in a step."""
+
+Run = Any
+
+
+def new_run() -> Run:
+    """Return the record of a run that has not begun."""
+    run = np.zeros(1, dtype=RUN).view(np.recarray)[0]
+    run["length_s"][:] = -1.0
+    return run
+
+
+# Rows of the slopes with x.
+OPEN_SLOPE, OHM_SLOPE, ETA_BY_DEPTH = range(3)
