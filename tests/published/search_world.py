@@ -10,7 +10,7 @@ import numpy as np
 
 from pipeline import schemas, tables
 from pipeline.published.names import found_quantities
-from tests.published.conftest import CONF
+from tests.published.conftest import CONF, write_quantities
 
 SEARCH_INPUTS = {"chaos", "objective", "tuning", "search", "reference/solar_table3"}
 SEARCHES = ("swarm", "sweep", "swarm_published", "published_protocol", "uniform", "arcsine")
@@ -120,15 +120,8 @@ OTHERWISE_HERE: dict[str, Any] = {
 def write_search(folders: Mapping[str, Path], world: Mapping[str, Any]) -> None:
     """Write what statements read of chaos, objective, tuning and search."""
     for step in ("chaos", "objective", "tuning", "search"):
-        folders[step].mkdir(parents=True)
-        numbers = world[step] | ({"published_best_mw2_s": world["best_mw2_s"]} if step == "tuning" else {})
-        columns = {
-            "quantity": list(numbers),
-            "value": list(numbers.values()),
-            "unit": ["1"] * len(numbers),
-            "description": [""] * len(numbers),
-        }
-        tables.write(schemas.QUANTITIES, columns, folders[step] / "quantities.parquet")
+        extra = {"published_best_mw2_s": world["best_mw2_s"]} if step == "tuning" else {}
+        write_quantities(folders[step], world[step] | extra)
     folders["reference/solar_table3"].mkdir(parents=True)
     printed = (CONF / "reference" / "solar_table3.csv").read_text(encoding="utf-8")
     (folders["reference/solar_table3"] / "solar_table3.csv").write_text(printed, encoding="utf-8")
