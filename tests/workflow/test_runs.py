@@ -52,7 +52,7 @@ def test_no_artefact_names_the_folder_it_was_made_in(project: Project) -> None:
 
 
 def test_the_found_frequency_is_the_one_charged_with(project: Project) -> None:
-    pulses = "modes.cv_reflex.phases.bulk.until.elapsed_s=50 'charge.windows=[{start_s:60,length_s:0.05}]'"
+    pulses = "'charge.windows=[{start_s:60,length_s:0.05}]' modes.cv_reflex.phases.bulk.until.elapsed_s=50"
     project.snakemake("charges", overrides=f"modes.run=[cc_cv,cv_reflex] {pulses}")
     view = _manifest(project)["artefacts"]
     assert isinstance(view, list)

@@ -109,8 +109,13 @@ def _check_objective(study: Study) -> None:
 
 
 def _references(study: Study) -> Iterator[tuple[str, Mapping[str, Any]]]:
-    """Yield key path and content of every reference in the modes and the search."""
-    sections = (*(f"modes.{name}" for name in study.modes), "search")
+    """Yield key path and content of every reference in the modes and the search.
+
+    The objective's mode comes first: others may have theirs from it.
+    """
+    first = None if study.objective is None else study.objective.mode
+    modes = sorted(study.modes, key=lambda name: name != first)
+    sections = (*(f"modes.{name}" for name in modes), "search")
     for section in sections:
         for path, value in study.parameters(section):
             if isinstance(value, Mapping):
