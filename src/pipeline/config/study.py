@@ -229,7 +229,7 @@ def _makeable(study: Study) -> set[str]:
     supplied = {"panel", "supply"} if study.panel is not None else set()
     charges = {f"charge/{comparison}/{mode}" for comparison in study.comparisons for mode in options("modes")}
     supplied |= {name for name in ("chaos", "objective") if getattr(study, name) is not None}
-    supplied |= set(searching.found_values(study))
+    supplied |= set(searching.found_values(study)) | ({"tuning"} if study.design is not None else set())
     return supplied | charges | {f"reference/{path.stem}" for path in reference_tables()}
 
 
@@ -237,7 +237,11 @@ def _numbers(study: Study) -> dict[str, set[str]]:
     """Return the named numbers that the steps of the search could find, also for modes that this run leaves out."""
     bins = () if study.chaos is None else study.chaos.bins
     factors = () if study.design is None else tuple(study.design.factors)
-    return found_quantities(bins, options("modes"), factors, searching.searches(study))
+    numbers = found_quantities(bins, options("modes"), factors, searching.searches(study))
+    # Statements on the swarm are not checkable under another algorithm, which is no mistake in them.
+    if study.search is not None and study.search.kind != "swarm":
+        del numbers["search"]
+    return numbers
 
 
 @contextmanager
