@@ -100,6 +100,20 @@ class Thermal(Record):
     resistance_k_w: float = Field(gt=0, description="thermal resistance to the ambient [K/W]")
 
 
+class Hysteresis(Record):
+    """A part of the stored potential that follows the direction of the current, the exponential zone of a battery.
+
+    It moves with the charge `q` that passes: towards `amplitude_v` while charging,
+    `h = A - (A - h0) exp(-B q)`, and towards zero while discharging, `h = h0 exp(-B q)`.
+    """
+
+    amplitude_v: float = Field(gt=0, description="value A after long charging, per cell; 0 after long discharging [V]")
+    rate_per_ah: float = Field(gt=0, description="rate B at which it follows the charge that passes [1/(A h)]")
+    initial_share: float = Field(
+        0.0, ge=0, le=1, description="value at the start in units of the amplitude: 0 comes from a discharge [1]"
+    )
+
+
 class Battery(Record):
     """Cells in series at one temperature; every circuit value is per cell, the thermal ones per battery."""
 
@@ -120,6 +134,7 @@ class Battery(Record):
     acceptance: Acceptance | None = Field(None, description="acceptance pair; none where absent")
     charge_transfer: ChargeTransfer | None = Field(None, description="charge transfer; none where absent")
     side_reaction: SideReaction | None = Field(None, description="side reaction; none where absent")
+    hysteresis: Hysteresis | None = Field(None, description="exponential zone; none where absent")
     thermal: Thermal = Field(description="thermal values")
 
     @property
