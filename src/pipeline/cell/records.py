@@ -31,6 +31,20 @@ class Root(Record):
     soc_offset: float = Field(ge=0, description="keeps the empty end above zero [1]")
 
 
+class Shepherd(Record):
+    """`full_v - polarisation_v x / (1 - x)` with x = 1 - SOC: Shepherd's potential, without bound below when empty."""
+
+    full_v: float = Field(description="value when full [V]")
+    polarisation_v: float = Field(ge=0, description="how far it has fallen at SOC 1/2 [V]")
+
+
+class Inverse(Record):
+    """`factor / (1 - SOC + depth_offset)`, the shape of a polarisation resistance on charge."""
+
+    factor: float = Field(gt=0, description="numerator; near the value when empty")
+    depth_offset: float = Field(ge=0, description="how far beyond full the pole lies [1]")
+
+
 class Tabulated(Record):
     """Values on a grid of SOC, joined by monotone cubics (PCHIP)."""
 
@@ -49,7 +63,7 @@ class Tabulated(Record):
         return self
 
 
-Curve = float | Polynomial | Logarithm | Root | Tabulated
+Curve = float | Polynomial | Logarithm | Root | Shepherd | Inverse | Tabulated
 """A quantity that may depend on SOC; a number is a constant."""
 
 
@@ -141,6 +155,12 @@ class Battery(Record):
     def scale(self) -> float:
         """Return the number of cells in parallel that the scaled battery stands for, not necessarily whole."""
         return 1.0 if self.scaled_to_capacity_ah is None else self.scaled_to_capacity_ah / self.capacity_ah
+
+    @property
+    def fills(self) -> bool:
+        """Tell whether charging reaches SOC 1 in finite time: neither acceptance nor potential has a pole there."""
+        curve = self.open_circuit_voltage_v
+        return self.acceptance is None and not (isinstance(curve, Logarithm) and curve.depth_offset == 0.0)
 
     @property
     def capacity_in_use_ah(self) -> float:
