@@ -8,16 +8,18 @@ from typing import Any
 from pipeline.charge.comparison import compared
 from pipeline.charge.records import Mode
 from pipeline.config.study import Study
+from pipeline.converter.records import PowerChain
 from pipeline.draft import Draft, needed, plain, with_found
 from pipeline.planfile import command
 from pipeline.published.records import needs
 from pipeline.record import Record
 from pipeline.search_phases import FINDERS, SECTION_OF, finders
+from pipeline.switched_phases import switched
 
 
 def drafts(study: Study) -> list[Draft]:
     """Return the nodes of a study, inputs before those that read them."""
-    nodes = [with_found(node) for node in (*_supply(study), *finders(study), *_charges(study), *_ensemble(study))]
+    nodes = [with_found(node) for node in (*_supply(study), *finders(study), *_charges(study), *_ensemble(study), *switched(study))]
     nodes = needed(nodes, FINDERS)
     nodes += _verdicts(study, nodes)
     nodes += _figures(study, nodes)
@@ -54,11 +56,16 @@ def _supply(study: Study) -> Iterator[Draft]:
         "supply",
         "supply",
         "supply",
-        plain({"panel": study.panel, "weather": study.weather, "converter": study.converter, "load": study.load}),
+        plain({"panel": study.panel, "weather": study.weather, "converter": _averaged(study), "load": study.load}),
         inputs={"panel": "panel"},
         sections=("weather", "converter", "load"),
         shown={"supply.parquet": "supply/supply.parquet"},
     )
+
+
+def _averaged(study: Study) -> PowerChain | None:
+    """Return the converters without their switches, which the powers of hours do not depend on."""
+    return study.converter and study.converter.model_copy(update={"switched": None})
 
 
 def _charges(study: Study) -> Iterator[Draft]:
@@ -228,7 +235,7 @@ def _configured(study: Study, reads: Iterable[str]) -> dict[str, Any]:
     """What a figure draws of the configuration itself."""
     found: dict[str, Any] = {}
     if "system" in reads:
-        found["system"] = plain({name: getattr(study, name) for name in ("panel", "converter", "load")})
+        found["system"] = plain({"panel": study.panel, "converter": _averaged(study), "load": study.load})
         found["system"]["battery"] = {"title": study.battery.title, "capacity_ah": study.battery.capacity_ah}
         found["system"]["discharge_voltage_v"] = study.objective.discharge_voltage_v if study.objective else None
     if "algorithm" in reads and study.search is not None:
@@ -241,7 +248,7 @@ def _named(records: Mapping[str, Record]) -> list[dict[str, Any]]:
     return [{"name": name, **plain(record)} for name, record in records.items()]
 
 
-_SHOWN = frozenset({"panel", "supply", "chaos", "objective", "tuning", "search", "charge", "verdicts", "figures"})
+_SHOWN = frozenset({"panel", "supply", "chaos", "objective", "tuning", "search", "charge", "switched", "verdicts", "figures"})
 
 
 def _page(study: Study, nodes: list[Draft]) -> Iterator[Draft]:

@@ -33,6 +33,23 @@ rule charge_battery:
         flow.command("charge")
 
 
+rule switch_converters:
+    input:
+        lambda wildcards: flow.needs(wildcards.chunk),
+    output:
+        flow.receipt("switched"),
+    log:
+        flow.log("switched"),
+    benchmark:
+        flow.benchmark("switched")
+    params:
+        again=again("switch_converters"),
+    message:
+        "Converters, switch by switch: {wildcards.chunk}"
+    shell:
+        flow.command("switched")
+
+
 rule charge_ensemble:
     input:
         lambda wildcards: flow.needs(wildcards.chunk),

@@ -67,7 +67,11 @@ def _named_key(mistake: Any, path: list[str], tree: Any) -> str | None:
     for key in path:
         here = here[int(key)] if isinstance(here, list | tuple) else here.get(key, {})
     word = str(mistake["msg"]).removeprefix("Value error, ").split(" ")[0]
-    return word if isinstance(here, Mapping) and word in here else None
+    for key in word.split("."):
+        if not isinstance(here, Mapping) or key not in here:
+            return None
+        here = here[key]
+    return word
 
 
 def _sentence(mistake: Any, path: list[str], parent: Any, model: type[BaseModel] | None) -> str:

@@ -13,7 +13,7 @@ from pipeline.cell.records import Battery
 from pipeline.charge import checks as charge_checks
 from pipeline.charge.ensemble import EnsembleSettings
 from pipeline.charge.records import ChargeSettings, EngineSettings, Mode
-from pipeline.config import searching
+from pipeline.config import searching, switching
 from pipeline.config.compose import CONF, Composed, options
 from pipeline.config.messages import explain
 from pipeline.config.sources import Source, attribute, leaves, split
@@ -208,6 +208,7 @@ def _check_together(composed: Composed, study: Study) -> None:
             voltage = study.panel.max_power_voltage_v * study.panel.panels_in_series
             supply_checks.check(power, voltage, study.converter, study.load)
         searching.check(study)
+        switching.check(study)
         tables = {path.stem for path in reference_tables()}
         if study.design is not None and study.design.printed not in {None, *tables}:
             printed = str(study.design.printed)
@@ -229,6 +230,7 @@ def _makeable(study: Study) -> set[str]:
     supplied = {"panel", "supply"} if study.panel is not None else set()
     charges = {f"charge/{comparison}/{mode}" for comparison in study.comparisons for mode in options("modes")}
     supplied |= {name for name in ("chaos", "objective") if getattr(study, name) is not None}
+    supplied |= {"switched"} if study.converter is not None and study.converter.switched is not None else set()
     supplied |= set(searching.found_values(study)) | ({"tuning"} if study.design is not None else set())
     return supplied | charges | {f"reference/{path.stem}" for path in reference_tables()}
 

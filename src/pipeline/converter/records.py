@@ -6,6 +6,7 @@ from typing import Literal
 
 from pydantic import Field
 
+from pipeline.converter.switched_records import SwitchedStage
 from pipeline.record import Record
 
 
@@ -24,6 +25,7 @@ class PowerChain(Record):
     tracker_efficiency: float = Field(gt=0, le=1, description="power drawn over the panel's maximum power [1]")
     boost: Converter
     buck: Converter
+    switched: SwitchedStage | None = Field(default=None, description="both converters switch by switch")
 
 
 class Load(Record):

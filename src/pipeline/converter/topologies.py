@@ -44,7 +44,7 @@ class Topologies(NamedTuple):
     """Generators G of dz/dt = G z, shape (6, 4, 4), and rows that read two outputs from z, shape (6, 2, 4).
 
     The outputs of a buck converter are battery current [A] and terminal voltage [V], of a boost converter the current
-    into the bus and the bus voltage.
+    into the bus and the bus voltage; a boost converter's last two circuits stay empty.
     """
 
     generators: Array
@@ -85,34 +85,34 @@ def buck(stage: SwitchedBuck, bus_voltage_v: float, load: BatteryLoad, discharge
     return Topologies(generators, outputs)
 
 
-def boost(stage: SwitchedBoost, source: PanelSource, bus_current_a: float) -> Topologies:
-    """Return the circuits of a boost converter between a panel and a bus that draws a constant current.
+def boost(stage: SwitchedBoost, source: PanelSource, bus_resistance_ohm: float) -> Topologies:
+    """Return the circuits of a boost converter between a panel and a bus.
 
     Arguments
     ---------
     stage : its parts.
     source : the panel.
-    bus_current_a : what master system and buck converter draw [A].
+    bus_resistance_ohm : what draws from the bus, as its voltage over its current [ohm].
     """
     generators, outputs = np.zeros((6, SIZE, SIZE)), np.zeros((6, 2, SIZE))
     inductor, capacitor, panel, one = np.eye(SIZE)
-    for topology in range(6):
+    for topology in (ON, LOW, DIODE, BLOCKED):
         passed = inductor if topology in (LOW, DIODE) else np.zeros(SIZE)
-        into_capacitor = passed - bus_current_a * one
-        bus = capacitor + stage.capacitor_resistance_ohm * into_capacitor
-        drop = {
+        bus = (capacitor + stage.capacitor_resistance_ohm * passed) / (
+            1.0 + stage.capacitor_resistance_ohm / bus_resistance_ohm
+        )
+        drops = {
             ON: stage.on_resistance_ohm * inductor,
             LOW: bus + stage.rectifier_resistance_ohm * inductor,
             DIODE: bus + stage.rectifier_resistance_ohm * inductor + stage.rectifier_voltage_v * one,
-        }.get(topology)
+        }
         rows = generators[topology]
-        drawn = np.zeros(SIZE)
-        if drop is not None:
-            drawn = inductor
-            rows[INDUCTOR] = (panel - stage.inductor_resistance_ohm * inductor - drop) / stage.inductance_h
-        rows[CAPACITOR] = into_capacitor / stage.capacitance_f
-        fed = (source.voltage_v * one - panel) / source.resistance_ohm
-        rows[THIRD] = (fed - drawn) / stage.input_capacitance_f
+        if topology in drops:
+            left = panel - stage.inductor_resistance_ohm * inductor - drops[topology]
+            rows[INDUCTOR] = left / stage.inductance_h
+        rows[CAPACITOR] = (passed - bus / bus_resistance_ohm) / stage.capacitance_f
+        drawn = inductor if topology != BLOCKED else np.zeros(SIZE)
+        rows[THIRD] = ((source.voltage_v * one - panel) / source.resistance_ohm - drawn) / stage.input_capacitance_f
         outputs[topology] = [passed, bus]
     return Topologies(generators, outputs)
 

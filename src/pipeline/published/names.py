@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable
 from typing import NamedTuple
 
-from pipeline import schemas
+from pipeline import schemas, schemas_switched
 from pipeline.tables import Table
 
 
@@ -49,7 +49,7 @@ SOURCES: dict[tuple[str, str], Source] = {
         ("sums", schemas.TUNING_SUMS),
         ("anova", schemas.TUNING_ANOVA),
     )
-}
+} | {key: Source(*found) for key, found in schemas_switched.ARTEFACTS.items()}
 """(first word of the input's name, table) -> where it is; one line more serves another kind of artefact.
 
 A search's own tables are not listed, because its configuration names them; see `source`.

@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from pipeline import schemas, tables
+from pipeline import schemas, schemas_switched, tables
 
 Columns = dict[str, NDArray[Any]]
 
@@ -36,6 +36,7 @@ FILES: dict[str, tuple[str, tables.Table]] = {
     "agreement": ("agreement.parquet", schemas.TUNING_AGREEMENT),
     "statistics": ("statistics.parquet", schemas.SEARCH_STATISTICS),
     "comparison": ("comparison.parquet", schemas.SEARCH_COMPARISON),
+    **schemas_switched.FILES,
 }
 """Table name -> file inside its input's folder, and its declaration."""
 

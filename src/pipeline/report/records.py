@@ -27,6 +27,13 @@ class EnlargedOptions(Record):
     windows: tuple[int, ...] = Field(default=(), description="which windows, from 0; empty for all of them")
 
 
+class SwitchedOptions(Record):
+    """A quantity about the steps of the pulses, switch by switch."""
+
+    quantity: Literal["current", "voltage"]
+    window: int = Field(default=0, ge=0, description="which window, from 0")
+
+
 class WaveformOptions(Record):
     """The waveform of one mode, from its knobs."""
 
@@ -73,6 +80,7 @@ DRAWINGS: dict[str, type[Record]] = {
     "reflex_waveform": WaveformOptions,
     "search_effects": EffectOptions,
     "supply": NoOptions,
+    "switched_edges": SwitchedOptions,
 }
 """Every module under `figures` and the record of its options."""
 
@@ -85,7 +93,9 @@ class FigureCard(Record):
     title: str = Field(min_length=1, description="title, for people")
     caption: str = Field(min_length=1, description="what it shows; also its text for those who cannot see it")
     reads: tuple[
-        Literal["modes", "system", "algorithm", "panel", "supply", "chaos", "objective", "tuning", "search", "charge"],
+        Literal[
+            "modes", "system", "algorithm", "panel", "supply", "chaos", "objective", "tuning", "search", "charge", "switched"
+        ],
         ...,
     ] = Field(
         description="the steps whose artefacts it reads; modes: the knobs of the modes; system: panel, converters, "
