@@ -1,4 +1,4 @@
-"""Characteristic points and curves of the fitted panel over irradiance and temperature, by pvlib."""
+"""Characteristic points and curves of the fitted panel over irradiance and temperature; curves by pvlib."""
 
 from __future__ import annotations
 
@@ -7,18 +7,11 @@ import itertools
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from pipeline.panel.maximum_power import characteristic_points
 from pipeline.panel.records import Panel, PanelCurveSettings
 from pipeline.panel.single_diode import SingleDiode, deviations
 
 Columns = dict[str, NDArray[np.float64]]
-
-_POINT_NAMES = {
-    "short_circuit_current_a": "i_sc",
-    "open_circuit_voltage_v": "v_oc",
-    "max_power_current_a": "i_mp",
-    "max_power_voltage_v": "v_mp",
-    "max_power_w": "p_mp",
-}
 
 
 def parameters(panel: Panel, diode: SingleDiode) -> Columns:
@@ -41,11 +34,8 @@ def points(panel: Panel, diode: SingleDiode, irradiance_w_m2: ArrayLike, cell_te
     -------
     The columns of PANEL_POINTS, shape (n,) each.
     """
-    from pvlib.pvsystem import singlediode
-
     irradiance, temperature = _rows(irradiance_w_m2, cell_temperature_c)
-    single = singlediode(*_conditions(panel, diode, irradiance, temperature), method="newton")
-    found = {name: np.asarray(single[theirs], dtype=float) for name, theirs in _POINT_NAMES.items()}
+    found = characteristic_points(panel, diode, irradiance, temperature)._asdict()
     for name in ("short_circuit_current_a", "max_power_current_a", "max_power_w"):
         found[name] = found[name] * panel.panels_in_parallel
     for name in ("open_circuit_voltage_v", "max_power_voltage_v", "max_power_w"):

@@ -14,6 +14,13 @@ from pipeline.report.records import EnlargedOptions, FigureCard
 
 _COLUMNS = {"current": ("current_a", "Current [A]"), "voltage": ("voltage_v", "Voltage [V]")}
 
+_BAND_PERIODS = 6
+"""Switching periods that share a step of the band: less than a pixel."""
+_SWITCHED = {
+    "current": ("battery_min_a", "battery_mean_a", "battery_max_a"),
+    "voltage": ("voltage_min_v", "voltage_mean_v", "voltage_max_v"),
+}
+
 
 def draw(figure: FigureCard, data: ReportData) -> Figure:
     """Draw the windows side by side, a strip for each mode: the modes' edges coincide, so that none hides another.
@@ -25,7 +32,8 @@ def draw(figure: FigureCard, data: ReportData) -> Figure:
 
     Returns
     -------
-    The figure; strips of one comparison lie together under its title.
+    The figure; strips of one comparison lie together under its title. Where the converters are known switch by switch,
+    a light band is the range within each switching period, and the line its mean.
     """
     options = figure.chosen()
     assert isinstance(options, EnlargedOptions)
@@ -39,6 +47,8 @@ def draw(figure: FigureCard, data: ReportData) -> Figure:
         is_first = row == 0 or strips[row - 1][0] != comparison
         for axes, window in zip(fields[row], windows, strict=False):
             _strip(axes, data.charge(comparison, mode, "waveform"), window, options.quantity, marks[mode])
+            if "switched" in data.inputs:
+                _band(axes, data.table("switched", "switched_periods"), (comparison, mode, window), options.quantity)
             if is_first:
                 axes.set_title(f"{data.comparisons[comparison]}, from {_start(data, strips, window)}")
         fields[row, 0].set_ylabel(data.modes[mode].title)
@@ -70,6 +80,21 @@ def _strip(axes: Axes, waveform: Columns, window: int, quantity: str, mark: styl
     if quantity == "current":
         axes.axhline(0.0, color=style.GREY, linewidth=0.8)
     axes.plot(1000.0 * (time_s - time_s[0]), values, color=mark.colour, linewidth=1.4)
+
+
+def _band(axes: Axes, periods: Columns, place: tuple[str, str, int], quantity: str) -> None:
+    comparison, mode, window = place
+    rows = (periods["comparison"] == comparison) & (periods["mode"] == mode) & (periods["window"] == window)
+    if not np.any(rows):
+        return
+    time_ms = 1000.0 * (periods["time_s"][rows] - periods["time_s"][rows][0])
+    low, mean, high = (periods[name][rows] for name in _SWITCHED[quantity])
+    line = axes.lines[-1]
+    line.set(alpha=0.35, linewidth=0.8)
+    starts = np.arange(0, len(time_ms), _BAND_PERIODS)
+    band = np.minimum.reduceat(low, starts), np.maximum.reduceat(high, starts)
+    axes.fill_between(time_ms[starts], *band, color=line.get_color(), alpha=0.3, linewidth=0, step="post")
+    axes.plot(time_ms, mean, color=line.get_color(), linewidth=1.0)
 
 
 def clock(seconds: float) -> str:
