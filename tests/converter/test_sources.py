@@ -21,15 +21,28 @@ FILES = [path for group in GROUPS for path in sorted((CONF / group).glob("*.yaml
 @pytest.mark.parametrize("path", FILES, ids=lambda path: f"{path.parent.name}/{path.stem}")
 def test_every_number_has_a_source(path):
     settings = yaml.safe_load(path.read_text())
-    sources = settings.pop("sources")
+    sources = joined(settings)
     GROUPS[path.parent.name](**settings)
-    physical = {key for key, value in settings.items() if not isinstance(value, str)}
-    assert physical == set(sources)
+    check(settings, sources)
+
+
+def joined(settings):
+    """Take the sources out of settings, also those of a part that stand within it."""
+    found = settings.pop("sources")
+    parts = {key: joined(value) for key, value in settings.items() if isinstance(value, dict) and "sources" in value}
+    return found | parts
+
+
+def check(values, sources):
+    assert set(sources) == {key for key, value in values.items() if not isinstance(value, str | bool)}
     for name, source in sources.items():
+        if "kind" not in source:
+            check(values[name], source)
+            continue
         assert source["kind"] in {"published", "data_sheet", "derived", "estimate", "calibrated"}
         assert source["ref"]
-        if "range" in source and not isinstance(settings[name], dict):
-            assert source["range"][0] <= settings[name] <= source["range"][1]
+        if "range" in source and not isinstance(values[name], dict):
+            assert source["range"][0] <= values[name] <= source["range"][1]
 
 
 def test_records_import_nothing_heavy():

@@ -230,7 +230,7 @@ def _makeable(study: Study) -> set[str]:
     supplied = {"panel", "supply"} if study.panel is not None else set()
     charges = {f"charge/{comparison}/{mode}" for comparison in study.comparisons for mode in options("modes")}
     supplied |= {name for name in ("chaos", "objective") if getattr(study, name) is not None}
-    supplied |= {"switched"} if study.converter is not None and study.converter.switched is not None else set()
+    supplied |= {"switched"} if study.converter is not None else set()
     supplied |= set(searching.found_values(study)) | ({"tuning"} if study.design is not None else set())
     return supplied | charges | {f"reference/{path.stem}" for path in reference_tables()}
 

@@ -32,7 +32,7 @@ def check(study: Study) -> None:
             numbers = {key: value for key, value in found.items() if isinstance(value, float)}
             share = _shortest(numbers)
             path, frequency = _frequency(study, name, phase, found["frequency_hz"])
-            if share is None or frequency is None or frequency <= share * switching_hz:
+            if share is None or frequency is None or frequency <= share * switching_hz * (1.0 + 1e-9):
                 continue
             told = (
                 f"{path}: value {frequency:g} Hz; the shortest part of a pulse, {100 * share:g} % of its period, would "

@@ -13,6 +13,7 @@ from pipeline.report.data import ReportData
 from pipeline.report.pages import PageContent, PageFigure, Paper, render
 from pipeline.report.parameters import parameters
 from pipeline.report.search_tables import search_tables
+from pipeline.report.switched_tables import switched_tables
 from pipeline.report.tables import ReportTable
 from pipeline.steps.labels import report_data
 
@@ -52,7 +53,7 @@ def _tables(data: ReportData, inputs: Mapping[str, Path]) -> list[ReportTable]:
     shown = [report_tables.charges(data), report_tables.energy(data)]
     if "panel" in inputs:
         shown.insert(0, report_tables.table_1(data, REFERENCE / "solar_table1.csv"))
-    return shown + search_tables(data, REFERENCE)
+    return shown + switched_tables(data) + search_tables(data, REFERENCE)
 
 
 def _verdicts(inputs: Mapping[str, Path]) -> dict[str, Any]:
