@@ -1,6 +1,7 @@
 """Maximum power over arrays of conditions against pvlib: ratio of times, and how far the two are apart.
 
-Run as `PYTHONPATH=src python -m benchmarks.maximum_power`; medians of interleaved rounds, imports and compilation outside.
+Run as `PYTHONPATH=src python -m benchmarks.maximum_power`; medians of interleaved rounds, without imports and
+compilation.
 Ours takes irradiance and temperature; for pvlib the conditions' parameters are made outside the time.
 """
 
@@ -10,9 +11,9 @@ import statistics
 import time
 
 import numpy as np
+from benchmarks.edge import load
 from pvlib.pvsystem import calcparams_cec, max_power_point
 
-from benchmarks.edge import load
 from pipeline.panel.maximum_power import maximum_power
 from pipeline.panel.records import Panel
 from pipeline.panel.single_diode import fit
@@ -27,7 +28,9 @@ def main() -> int:
     rng = np.random.default_rng(1)
     maximum_power(panel, diode, [1000.0], [25.0])
     worst_ratio = np.inf
-    print(f"{'conditions':>10s} {'ours s':>9s} {'pvlib s':>9s} {'ratio':>7s} {'range':>13s} {'error':>9s} {'ours/s':>9s}")
+    print(
+        f"{'conditions':>10s} {'ours s':>9s} {'pvlib s':>9s} {'ratio':>7s} {'range':>13s} {'error':>9s} {'ours/s':>9s}"
+    )
     for count in (10_000, 100_000):
         irradiance, temperature = rng.uniform(5.0, 1200.0, count), rng.uniform(-20.0, 80.0, count)
         parameters = calcparams_cec(

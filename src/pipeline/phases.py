@@ -19,7 +19,10 @@ from pipeline.switched_phases import switched
 
 def drafts(study: Study) -> list[Draft]:
     """Return the nodes of a study, inputs before those that read them."""
-    nodes = [with_found(node) for node in (*_supply(study), *finders(study), *_charges(study), *_ensemble(study), *switched(study))]
+    nodes = [
+        with_found(node)
+        for node in (*_supply(study), *finders(study), *_charges(study), *_ensemble(study), *switched(study))
+    ]
     nodes = needed(nodes, FINDERS)
     nodes += _verdicts(study, nodes)
     nodes += _figures(study, nodes)
@@ -248,7 +251,9 @@ def _named(records: Mapping[str, Record]) -> list[dict[str, Any]]:
     return [{"name": name, **plain(record)} for name, record in records.items()]
 
 
-_SHOWN = frozenset({"panel", "supply", "chaos", "objective", "tuning", "search", "charge", "switched", "verdicts", "figures"})
+_SHOWN = frozenset(
+    {"panel", "supply", "chaos", "objective", "tuning", "search", "charge", "switched", "verdicts", "figures"}
+)
 
 
 def _page(study: Study, nodes: list[Draft]) -> Iterator[Draft]:

@@ -66,7 +66,9 @@ SWITCHED_MODES = Table(
         *_CHARGE,
         Column("pulses_hz", "Hz", "pulses a second; empty without pulses", optional=True),
         Column("ripple_a", "A", "largest ripple of the battery's current at the switching frequency, peak to peak"),
-        Column("conduction_efficiency", "1", "energy into the battery over energy from the bus, conduction losses alone"),
+        Column(
+            "conduction_efficiency", "1", "energy into the battery over energy from the bus, conduction losses alone"
+        ),
         Column("overshoot_a", "A", "largest overshoot of the kinds of steps; 0 without steps"),
         Column("settling_s", "s", "longest settling time of the kinds of steps; 0 without steps"),
         Column("ringing_j", "J", "ringing of a period of the pulses: one step of each kind; 0 without steps"),
@@ -84,8 +86,6 @@ ARTEFACTS: dict[tuple[str, str], tuple[str, Table] | tuple[str, Table, str]] = {
 """(input, table) -> file, declaration, and its column of time if it has one, as statements and figures read them."""
 
 FILES = {
-    f"switched_{name}": (file, table)
-    for (_, name), (file, table, *_) in ARTEFACTS.items()
-    if table is not QUANTITIES
+    f"switched_{name}": (file, table) for (_, name), (file, table, *_) in ARTEFACTS.items() if table is not QUANTITIES
 }
 """Name under which figures read a table -> file, declaration."""

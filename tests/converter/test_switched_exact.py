@@ -102,7 +102,7 @@ def test_power_in_is_power_out_and_losses(converter, rectifier):
     for place, length in ((ON, duty * PERIOD_S), (off, (1 - duty) * PERIOD_S)):
         for node, weight in zip(nodes, weights, strict=True):
             z = exponential(made.generators[place], 0.5 * (node + 1) * length)[0] @ state
-            current, capacitor, third = z[INDUCTOR], z[CAPACITOR], z[THIRD]
+            current, third = z[INDUCTOR], z[THIRD]
             out_a, out_v = made.outputs[place] @ z
             switch_w = stage.on_resistance_ohm * current**2
             if place != ON:

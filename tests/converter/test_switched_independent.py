@@ -1,4 +1,4 @@
-"""The switched converter under its control against solve_ivp: Kirchhoff's laws written anew, events for zero current."""
+"""The switched converter under its control against solve_ivp: Kirchhoff's laws anew, events for zero current."""
 
 from __future__ import annotations
 

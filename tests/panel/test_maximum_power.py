@@ -46,9 +46,7 @@ def test_it_agrees_with_pvlib(kc65t, diode):
 def test_odd_panels_too(series_ohm, shunt_ohm):
     """Series and shunt resistances far from a panel's, which the first steps do not settle."""
     photo = np.geomspace(1e-3, 8.0, 40)
-    found = maximum_of(
-        Conditions(photo, np.full(40, 1e-9), np.full(40, 1 / shunt_ohm), np.full(40, 1.2)), series_ohm
-    )
+    found = maximum_of(Conditions(photo, np.full(40, 1e-9), np.full(40, 1 / shunt_ohm), np.full(40, 1.2)), series_ohm)
     peer = max_power_point(photo, 1e-9, series_ohm, shunt_ohm, 1.2, method="brentq")
     np.testing.assert_allclose(found.max_power_w, peer["p_mp"], rtol=1e-10)
 

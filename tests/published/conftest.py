@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 import yaml
 
-from pipeline import quantity, schemas, tables
+from pipeline import quantity, schemas, schemas_switched, tables
 from pipeline.published.artefacts import Lookup
 from pipeline.published.records import Statement
 
@@ -64,6 +64,20 @@ def write_points(folder: Path, **changed: float) -> None:
     other = POINT | {"irradiance_w_m2": 200.0, "max_power_w": 12.0}
     columns = {name: [standard[name], other[name]] for name in POINT}
     tables.write(schemas.PANEL_POINTS, columns, folder / "points.parquet")
+
+
+def write_switched(folder: Path, pulse_ringing_w: float) -> None:
+    """Write what the steps of pulses come to; under Reflex all of it is a thousandth of an ampere, joule or watt."""
+    folder.mkdir(parents=True)
+    own = {"ripple_a", "conduction_efficiency", "overshoot_a", "settling_s", "ringing_j", "ringing_w"}
+    columns: dict[str, list[object]] = {
+        "comparison": ["same_peak"] * 2,
+        "mode": ["cv_pulse", "cv_reflex"],
+        "window": [0, 0],
+        "pulses_hz": [90.0] * 2,
+    }
+    columns |= {name: [pulse_ringing_w, 0.001] for name in own}
+    tables.write(schemas_switched.SWITCHED_MODES, columns, folder / "modes.parquet")
 
 
 def write_reference(path: Path, power_w: float = 65.0, voltage_v: float = 17.4) -> None:

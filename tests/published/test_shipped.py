@@ -16,7 +16,7 @@ from pipeline.published.checks import check
 from pipeline.published.evaluate import evaluate
 from pipeline.published.names import summary_quantities
 from pipeline.published.records import Statement, needs
-from tests.published.conftest import CONF, write_charge, write_points, write_reference
+from tests.published.conftest import CONF, write_charge, write_points, write_reference, write_switched
 from tests.published.search_world import (
     AS_PUBLISHED_HERE,
     FOUND,
@@ -29,7 +29,7 @@ from tests.published.search_world import (
 STATEMENTS = list(yaml.safe_load((CONF / "solar_reflex.yaml").read_text(encoding="utf-8")))
 MODES = ("cc_cv", "cv_pulse", "cv_reflex")
 CHARGES = {f"charge/{comparison}/{mode}" for comparison in ("same_peak", "same_mean") for mode in MODES}
-INPUTS = {"panel", "supply", "reference/solar_table1"} | CHARGES | SEARCH_INPUTS
+INPUTS = {"panel", "supply", "switched", "reference/solar_table1"} | CHARGES | SEARCH_INPUTS
 MARKS = (0.8, 0.95)
 # What cannot hold beside Table 1, and beside a Table 2 of the same ISE as Figure 10.
 EXCLUDED = {"charging_at_3c", "table_2_sums_iterations"}
@@ -62,6 +62,7 @@ def world(
         }
         write_charge(folders[name], summary, bulk_end_s, final_soc)
     write_points(folders["panel"], **points)
+    write_switched(folders["switched"], 0.004 if final_soc > 0.95 else 0.0001)
     folders["reference/solar_table1"].mkdir(parents=True)
     printed = {} if final_soc > 0.95 else {"power_w": 70.0}
     write_reference(folders["reference/solar_table1"] / "solar_table1.csv", **printed)

@@ -55,7 +55,10 @@ def waveform(views: Views, period_s: float, samples: int) -> dict[str, Any]:
             first = max(edge.period - before, 0) * samples
             points = view.run.samples[:, first : (edge.period + after) * samples + 1]
             time = (np.arange(points.shape[1]) + first - edge.period * samples) * (period_s / samples)
-            own = {"edge": np.full(len(time), view.edges.index(edge)), "kind": np.full(len(time), edge.kind, dtype=object)}
+            own = {
+                "edge": np.full(len(time), view.edges.index(edge)),
+                "kind": np.full(len(time), edge.kind, dtype=object),
+            }
             own |= {"time_s": time, "inductor_a": points[0], "battery_a": points[1], "voltage_v": points[2]}
             rows.append(_placed(place, own))
     return _joined(rows, ("edge", "kind", "time_s", "inductor_a", "battery_a", "voltage_v"))

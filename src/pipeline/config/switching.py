@@ -65,6 +65,8 @@ def _frequency(study: Study, mode: str, phase: str, value: float | Reference) ->
     own = study.modes[mode].phases[phase].waveform
     given = getattr(own, "frequency_hz", None)
     if isinstance(given, float | int):
-        waveform = next(key for key in study.configuration["modes"][mode]["phases"][phase] if key not in ("limit", "until"))
+        waveform = next(
+            key for key in study.configuration["modes"][mode]["phases"][phase] if key not in ("limit", "until")
+        )
         return f"modes.{mode}.phases.{phase}.{waveform}.frequency_hz", value
     return f"modes.{mode}.{given or 'frequency_hz'}", value

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from itertools import pairwise
 from typing import NamedTuple
 
 import numpy as np
@@ -62,12 +63,18 @@ def edges(reference_a: Array, current_a: Array, period_s: float, resistance_ohm:
     places = np.flatnonzero(np.diff(states)) + 1
     return [
         _edge(reference_a, current_a, int(first), int(last), period_s, resistance_ohm, states)
-        for first, last in zip(places[:-1], places[1:], strict=True)
+        for first, last in pairwise(places)
     ]
 
 
 def _edge(
-    reference: Array, current: Array, first: int, last: int, period_s: float, resistance: float, states: NDArray[np.int_]
+    reference: Array,
+    current: Array,
+    first: int,
+    last: int,
+    period_s: float,
+    resistance: float,
+    states: NDArray[np.int_],
 ) -> Edge:
     before, after = float(reference[first - 1]), float(reference[first])
     off = current[first:last] - reference[first:last]

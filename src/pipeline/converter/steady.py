@@ -47,7 +47,7 @@ def steady_state(topologies: Topologies, synchronous: bool, duty: float, period_
 
 def sample_maps(
     topologies: Topologies, synchronous: bool, duty: float, period_s: float, samples: int
-) -> tuple[Array, Array]:
+) -> tuple[Array, NDArray[np.int64]]:
     """Return the map from each sample of a period to the next, shape (samples, 4, 4), and its circuits, (samples,)."""
     off = LOW if synchronous else DIODE
     length, on_s = period_s / samples, duty * period_s

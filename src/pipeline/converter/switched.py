@@ -81,7 +81,13 @@ def run_buck(
 
 
 def follow(
-    made: Maps, control: Gains, synchronous: bool, reference: Array, state: Array, memory: Array, fixed_duty: float = -1.0
+    made: Maps,
+    control: Gains,
+    synchronous: bool,
+    reference: Array,
+    state: Array,
+    memory: Array,
+    fixed_duty: float = -1.0,
 ) -> SwitchedRun:
     """Run the kernel over its maps; `state` and `memory` are changed to those of the end.
 

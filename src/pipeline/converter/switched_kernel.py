@@ -1,4 +1,4 @@
-"""The kernel behind `switched`: from sample to sample by exact maps, with switching and zero-current instants between."""
+"""The kernel behind `switched`: from sample to sample by exact maps, with the instants of switches between."""
 
 from __future__ import annotations
 
@@ -98,7 +98,7 @@ def zero_current_s(
         if abs(following - time) <= 1e-15 * length_s:
             break
         time = following
-    return time
+    return float(time)
 
 
 @inlined
@@ -110,7 +110,7 @@ def _control(asked_a: float, per_a: float, integral_per_a: float, most: float, b
     duty = min(max(wanted, 0.0), most)
     if duty == wanted or (duty - wanted) * error > 0.0:
         memory[0] = moved
-    return duty
+    return float(duty)
 
 
 @inlined
@@ -128,7 +128,7 @@ def _read(outputs: Array, place: int, which: int, state: Array) -> float:
     total = 0.0
     for column in range(SIZE):
         total += outputs[place, which, column] * state[column]
-    return total
+    return float(total)
 
 
 @inlined
@@ -137,7 +137,7 @@ def _fold(outputs: Array, place: int, gathered: Array, totals: Array) -> None:
     totals[0] += gathered[INDUCTOR]
     totals[1] += _read(outputs, place, 0, gathered)
     totals[2] += _read(outputs, place, 1, gathered)
-    if place == ON or place == RETURN:
+    if place in (ON, RETURN):
         totals[3] += gathered[INDUCTOR]
     for row in range(SIZE):
         gathered[row] = 0.0

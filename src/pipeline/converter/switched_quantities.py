@@ -45,7 +45,12 @@ def of_boost(
         ("inductor_ripple_a", _peak_to_peak(points[:, INDUCTOR]), "A", "ripple of its inductor current"),
         ("bus_ripple_v", _peak_to_peak(bus), "V", "ripple of the bus"),
         ("panel_ripple_v", _peak_to_peak(points[:, THIRD]), "V", "ripple of the panel's voltage"),
-        ("missed_w", float(np.mean(swing**2)) / source.resistance_ohm, "W", "what the panel's ripple costs of its power"),
+        (
+            "missed_w",
+            float(np.mean(swing**2)) / source.resistance_ohm,
+            "W",
+            "what the panel's ripple costs of its power",
+        ),
         (
             "conduction_efficiency",
             bus_voltage_v**2 / resistance / (panel_voltage_v * panel_current_a),

@@ -22,7 +22,9 @@ class CurrentControl(Record):
     @model_validator(mode="after")
     def _slower_zero(self) -> CurrentControl:
         if self.zero_hz >= self.crossover_hz:
-            raise ValueError(f"zero_hz is {self.zero_hz:g} Hz; it must lie below crossover_hz, {self.crossover_hz:g} Hz")
+            raise ValueError(
+                f"zero_hz is {self.zero_hz:g} Hz; it must lie below crossover_hz, {self.crossover_hz:g} Hz"
+            )
         return self
 
 
@@ -68,7 +70,7 @@ class SwitchedBuck(SwitchedConverter):
         allowed = _FASTEST_CONTROL * self.switching_frequency_hz
         if self.control.crossover_hz > allowed:
             raise ValueError(
-                f"control.crossover_hz is {self.control.crossover_hz:g} Hz; a control that acts once a switching period "
+                f"control.crossover_hz is {self.control.crossover_hz:g} Hz; a control once a switching period "
                 f"allows up to {allowed:g} Hz, a tenth of switching_frequency_hz"
             )
         return self

@@ -18,7 +18,7 @@ Array = NDArray[np.float64]
 SIZE = 4
 INDUCTOR, CAPACITOR, THIRD, ONE = range(SIZE)
 ON, LOW, DIODE, BLOCKED, RETURN, DISCHARGE = range(6)
-"""Switch on; second switch on; it acts as a diode; no inductor current; back into the source; resistor on the battery."""
+"""Switch on; second switch on, or a diode; no inductor current; back into the source; resistor on the battery."""
 
 
 class BatteryLoad(NamedTuple):
@@ -118,7 +118,7 @@ def boost(stage: SwitchedBoost, source: PanelSource, bus_resistance_ohm: float) 
 
 
 def _battery(load: BatteryLoad) -> Array:
-    return load.voltage_v * np.eye(SIZE)[ONE] + np.eye(SIZE)[THIRD]
+    return np.asarray(load.voltage_v * np.eye(SIZE)[ONE] + np.eye(SIZE)[THIRD])
 
 
 def _output(stage: SwitchedBuck, load: BatteryLoad, resistor_ohm: float, connected: bool) -> tuple[Array, Array]:

@@ -122,8 +122,8 @@ def characteristic_points(
     """
     found = conditions(panel, diode, irradiance_w_m2, cell_temperature_c)
     ends = np.empty((2, found.photocurrent_a.size))
-    flat = (np.ascontiguousarray(part).ravel() for part in found)
-    fill_ends(*flat, float(diode.series_resistance_ohm), *ends)
+    flat = [np.ascontiguousarray(part).ravel() for part in found]
+    fill_ends(flat[0], flat[1], flat[2], flat[3], float(diode.series_resistance_ohm), ends[0], ends[1])
     shape = found.photocurrent_a.shape
     return Points(*maximum_of(found, diode.series_resistance_ohm), *(part.reshape(shape) for part in ends))
 

@@ -14,6 +14,8 @@ Array = NDArray[np.float64]
 STRAIGHT_STEPS = 3
 SETTLED = 1e-5
 """Last step of third order, relative to the ideality, after which no more than rounding is left."""
+NEAR = 0.5
+"""Steps, relative to the ideality, that the short exponential takes."""
 _MOST_STEPS = 100
 _QUADRATIC = 1e-8
 _TERMS = 12
@@ -72,21 +74,23 @@ def fill_maximum(
     start : diode voltage to begin with over the ideality; grown : saturation current times its exponential [A].
     series : series resistance [ohm].
     current, voltage : terminal current and voltage at maximum power, filled in.
-    last : last step over the ideality, filled in.
+    last : last step over the ideality, filled in; 1 where a step was too long for its exponential.
     """
     for here in range(photo.shape[0]):
         per_v = 1.0 / ideality[here]
         total, shunt = photo[here] + saturation[here], conductance[here]
-        inside, diode_current, moved = start[here] * ideality[here], grown[here], 0.0
+        inside, diode_current = start[here] * ideality[here], grown[here]
+        moved, farthest = 0.0, 0.0
         for _ in range(STRAIGHT_STEPS):
             step, _rise = _step(total, diode_current, inside, series, shunt, per_v)
-            moved = step * per_v
+            moved = abs(step * per_v)
+            farthest = max(farthest, moved)
             inside += step
-            diode_current *= _near_exponential(moved)
+            diode_current *= _near_exponential(step * per_v)
         found = total - diode_current - inside * shunt
         current[here] = found
         voltage[here] = inside - found * series
-        last[here] = moved
+        last[here] = moved if farthest <= NEAR else 1.0
 
 
 @kernel

@@ -94,7 +94,17 @@ class FigureCard(Record):
     caption: str = Field(min_length=1, description="what it shows; also its text for those who cannot see it")
     reads: tuple[
         Literal[
-            "modes", "system", "algorithm", "panel", "supply", "chaos", "objective", "tuning", "search", "charge", "switched"
+            "modes",
+            "system",
+            "algorithm",
+            "panel",
+            "supply",
+            "chaos",
+            "objective",
+            "tuning",
+            "search",
+            "charge",
+            "switched",
         ],
         ...,
     ] = Field(

@@ -29,15 +29,16 @@ def _modes(data: ReportData) -> ReportTable:
     rows: list[tuple[Cell, ...]] = []
     for row, (comparison, mode) in enumerate(zip(found["comparison"], found["mode"], strict=True)):
         numbers = (
-            _SCALE[name] * float(found[name][row]) if name in _SCALE else plain(found[name][row]) for name, _ in _COLUMNS
+            _SCALE[name] * float(found[name][row]) if name in _SCALE else plain(found[name][row])
+            for name, _ in _COLUMNS
         )
         rows.append((data.comparisons[str(comparison)], data.modes[str(mode)].title, *numbers))
     return ReportTable(
         "switched_modes",
         "The steps of the pulses, switch by switch",
-        "Of the battery's current: its ripple at the switching frequency; then, without this ripple, the largest overshoot "
-        "and the longest settling time to 2 % of any step, and the heat of the ringing in the series resistance. The "
-        "efficiency has conduction losses alone. The components and the control are estimates.",
+        "Of the battery's current: its ripple at the switching frequency; then, without this ripple, the largest "
+        "overshoot and the longest settling time to 2 % of any step, and the heat of the ringing in the series "
+        "resistance. The efficiency has conduction losses alone. The components and the control are estimates.",
         ("comparison", "mode", *(title for _, title in _COLUMNS)),
         tuple(rows),
         grouped=True,

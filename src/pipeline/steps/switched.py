@@ -1,4 +1,4 @@
-"""Switched: the charges' windows, battery and converters in; the answer of the switches to each step of the pulses out."""
+"""Switched: the charges' windows, battery and converters in; what the switches make of the pulses' steps out."""
 
 from __future__ import annotations
 
@@ -35,7 +35,9 @@ def run(settings: Mapping[str, Any], inputs: Mapping[str, Path], output: Path) -
         "edges": switched_columns.edges(found),
         "modes": switched_columns.modes(found, bus_v),
     }
-    numbers = of_boost(stage.boost, bus_v, float(settings["panel_voltage_v"]), float(settings["panel_current_a"]), samples)
+    numbers = of_boost(
+        stage.boost, bus_v, float(settings["panel_voltage_v"]), float(settings["panel_current_a"]), samples
+    )
     columns["quantities"] = quantity.columns(numbers)
     for (_, name), (file, table, *_) in schemas_switched.ARTEFACTS.items():
         tables.write(table, columns[name], output / file)
