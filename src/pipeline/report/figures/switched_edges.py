@@ -33,7 +33,9 @@ def draw(figure: FigureCard, data: ReportData) -> Figure:
     strips = list(dict.fromkeys(zip(shown["comparison"], shown["mode"], strict=True))) if shown else []
     drawing = style.figure(0.9 + 1.9 * max(1, len(strips)))
     if not strips:
-        style.nothing(drawing.subplots(), "no pulses in this window")
+        axes = drawing.subplots()
+        axes.set(xlabel="Time since the step [ms]", ylabel=_COLUMNS[options.quantity][1])
+        style.nothing(axes, "no pulses in this window")
         return drawing
     fields = drawing.subplots(len(strips), 3, sharex=True, sharey="row", squeeze=False)
     marks = style.marks(list(data.modes))
