@@ -13,7 +13,7 @@ from tests.workflow.conftest import Project, rules
 
 pytestmark = [pytest.mark.workflow, pytest.mark.xdist_group("workflow")]
 SUPPLY = {"fit_panel", "power_supply"}
-AFTER_CHARGES = {"judge_statements", "draw_figures", "write_page", "publish_run"}
+AFTER_CHARGES = {"switch_converters", "judge_statements", "draw_figures", "write_page", "publish_run"}
 CHARGES = {"charge_battery", "charge_ensemble"}
 
 
