@@ -10,7 +10,7 @@ from pipeline.charge.simulate import BENCH, simulate
 
 CONF = Path(__file__).parents[2] / "conf"
 # A charge that needs more steps than this has gone wrong.
-ENGINE = EngineSettings(maximum_steps=2_000_000)
+ENGINE = EngineSettings(driver="edge", maximum_steps=2_000_000)
 
 
 def load(path):

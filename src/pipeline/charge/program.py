@@ -10,11 +10,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pipeline.cell.circuit import ZERO_CELSIUS_K
-from pipeline.charge.protocol import Protocol
+from pipeline.charge.protocol import Course, Protocol
 
 MOST_SEGMENTS = 3
 # Where a battery counts as full: the kernels keep 1 - SOC above zero.
 _FULL = 1e-12
+# Frequency above which strides over periods pay.
+AVERAGED_ABOVE_HZ = 2.0
 
 
 class Program(NamedTuple):
@@ -28,11 +30,18 @@ class Program(NamedTuple):
     limits: NDArray[np.float64]
     elapsed_s: NDArray[np.float64]
     group: NDArray[np.int64]
+    averaged: NDArray[np.bool_]
     stop_elapsed_s: float
 
 
-def compile_program(protocol: Protocol, cells: int) -> Program:
-    """Return the arrays of a protocol for a number of cells in series."""
+def compile_program(protocol: Protocol, cells: int, driver: str) -> Program:
+    """Return the arrays of a protocol.
+
+    Arguments
+    ---------
+    cells : cells in series.
+    driver : `edge`, `averaged` or `auto`; only what repeats is averaged.
+    """
     count = len(protocol.courses)
     program = Program(
         np.zeros(count, dtype=np.int64),
@@ -43,6 +52,7 @@ def compile_program(protocol: Protocol, cells: int) -> Program:
         np.zeros((count, 9)),
         np.full(count, np.inf),
         np.zeros(count, dtype=np.int64),
+        np.array([_averages(course, driver) for course in protocol.courses]),
         protocol.stop.get("elapsed_s", math.inf),
     )
     for row, course in enumerate(protocol.courses):
@@ -59,6 +69,13 @@ def compile_program(protocol: Protocol, cells: int) -> Program:
         program.elapsed_s[row] = course.until.get("elapsed_s", math.inf)
         program.group[row] = course.group
     return program
+
+
+def _averages(course: Course, driver: str) -> bool:
+    if driver == "edge" or not course.waveform.periodic:
+        return False
+    period_s = sum(segment.length_s for segment in course.segments)
+    return math.isfinite(period_s) and (driver == "averaged" or period_s * AVERAGED_ABOVE_HZ < 1.0)
 
 
 def _limits(until: Mapping[str, float], cells: int) -> tuple[float, float, float, float]:
