@@ -9,6 +9,7 @@ from pipeline.charge.comparison import compared
 from pipeline.charge.records import Mode
 from pipeline.config.study import Study
 from pipeline.draft import Draft, needed, plain, with_found
+from pipeline.network_phases import network
 from pipeline.planfile import command
 from pipeline.published.records import needs
 from pipeline.record import Record
@@ -17,7 +18,10 @@ from pipeline.search_phases import FINDERS, SECTION_OF, finders
 
 def drafts(study: Study) -> list[Draft]:
     """Return the nodes of a study, inputs before those that read them."""
-    nodes = [with_found(node) for node in (*_supply(study), *finders(study), *_charges(study), *_ensemble(study))]
+    nodes = [
+        with_found(node)
+        for node in (*_supply(study), *finders(study), *network(study), *_charges(study), *_ensemble(study))
+    ]
     nodes = needed(nodes, FINDERS)
     nodes += _verdicts(study, nodes)
     nodes += _figures(study, nodes)

@@ -14,8 +14,7 @@ Kernel = Literal["gaussian", "wendland", "extendable"]
 GradientUnit = Literal["k_min", "k_s"]
 Positive = Annotated[float, Field(gt=0)]
 SurfaceName = Literal["plateau_steps", "plateau_ramp", "sigmoid", "takagi_sugeno"]
-METHODS = ("genetic", "least_squares", "medoids", "greedy", "random", "random_best", "regular")
-Method = Literal["genetic", "least_squares", "medoids", "greedy", "random", "random_best", "regular"]
+Method = Literal["genetic", "exchange", "random_best", "greedy", "least_squares", "medoids", "random", "regular"]
 
 
 class Grid(Record):
@@ -96,8 +95,8 @@ class Widths(Record):
 
     temperature: tuple[Positive, ...] = Field(min_length=1, description="over the scaled temperature [1]")
     gradient: tuple[Positive, ...] = Field(min_length=1, description="over the scaled gradient [1]")
-    trial_replicates: int = Field(default=2, ge=1, description="selections that a pair is judged by [1]")
-    trial_generations: int = Field(default=320, ge=1, description="generations whose evaluations each of them has [1]")
+    trial_replicates: int = Field(ge=1, description="selections that a pair is judged by [1]")
+    trial_generations: int = Field(ge=1, description="generations whose evaluations each of them has [1]")
 
     def pairs(self) -> list[tuple[float, float]]:
         """Return all pairs."""
@@ -107,20 +106,19 @@ class Widths(Record):
 class AnfisSettings(Record):
     """The adaptive neuro-fuzzy network and its hybrid learning (Jang 1993)."""
 
-    temperature_sets: int = Field(default=3, ge=2, description="membership functions over temperature [1]")
-    gradient_sets: int = Field(default=2, ge=2, description="membership functions over the gradient [1]")
-    epochs: int = Field(default=100, ge=1, description="passes over the data [1]")
-    step: float = Field(default=0.01, gt=0, description="first length of a step along the gradient [1]")
+    temperature_sets: int = Field(ge=2, description="membership functions over temperature [1]")
+    gradient_sets: int = Field(ge=2, description="membership functions over the gradient [1]")
+    epochs: int = Field(ge=1, description="passes over the data [1]")
+    step: float = Field(gt=0, description="first length of a step along the gradient [1]")
 
 
 class SizeStudy(Record):
     """Error against the number of centres."""
 
-    smallest: int = Field(default=2, ge=1, description="fewest centres [1]")
-    largest: int = Field(default=20, ge=1, description="most centres [1]")
-    generations: int = Field(default=320, ge=1, description="generations of each selection by the algorithm [1]")
-    replicates: int = Field(default=5, ge=1, description="selections of each size [1]")
-    trial_generations: int = Field(default=60, ge=1, description="generations of a width's trial [1]")
+    smallest: int = Field(ge=1, description="fewest centres [1]")
+    largest: int = Field(ge=1, description="most centres [1]")
+    generations: int = Field(ge=1, description="generations of each selection by the algorithm [1]")
+    replicates: int = Field(ge=1, description="selections of each size [1]")
 
     @model_validator(mode="after")
     def _rises(self) -> Self:
@@ -132,15 +130,13 @@ class SizeStudy(Record):
 class KernelStudy(Record):
     """Error under every kernel on every surface."""
 
-    generations: int = Field(default=320, ge=1, description="generations of each selection by the algorithm [1]")
-    replicates: int = Field(default=5, ge=1, description="selections of each pair [1]")
-    trial_generations: int = Field(default=60, ge=1, description="generations of a width's trial [1]")
+    generations: int = Field(ge=1, description="generations of each selection by the algorithm [1]")
+    replicates: int = Field(ge=1, description="selections of each pair [1]")
 
 
-class NetworkStudy(Record):
-    """The network of a charger: its data, its form, the selections of its centres."""
+class DataSettings(Record):
+    """What is learnt: a surface on a grid, or a table of one's own."""
 
-    title: str = Field(min_length=1, description="name of the network, for people")
     gradient_unit: GradientUnit = Field(description="unit of dT/dt in the data: K/min or K/s")
     grid: Grid
     surface: SurfaceName = Field(description="the surface that is learnt, unless a table is given")
@@ -149,28 +145,45 @@ class NetworkStudy(Record):
         default=None, description="CSV or Parquet file with the columns temperature_c, gradient, rate_c, learnt instead"
     )
     table_tolerance_c: float = Field(gt=0, description="by how much a printed rate may be rounded [C-rate]")
+
+
+class FormSettings(Record):
+    """The form of the network."""
+
     centres: int = Field(ge=1, description="rows of the data that become centres [1]")
     kernel: Kernel
     extension: float = Field(gt=1, description="support's radius over the nearest centre's distance [1]")
     widths: Widths
+
+
+class SelectionSettings(Record):
+    """How centres are selected."""
+
     genetic: GeneticSettings
     generations: int = Field(ge=1, description="generations behind the network that is used [1]")
     long_generations: int = Field(ge=1, description="generations that are followed in all [1]")
     replicates: int = Field(ge=1, description="selections, each with a random stream of its own [1]")
-    methods: tuple[Method, ...] = Field(min_length=1, description="how centres are selected; the first is used")
-    anfis: AnfisSettings
-    size: SizeStudy | None = None
-    kernels: KernelStudy | None = None
+    methods: tuple[Method, ...] = Field(min_length=1, description="how centres are selected; genetic is used")
 
     @model_validator(mode="after")
     def _fit(self) -> Self:
         if self.long_generations < self.generations:
             raise ValueError(f"long_generations is {self.long_generations}; allowed is {self.generations} or more")
-        if len(set(self.methods)) < len(self.methods):
-            raise ValueError(f"methods is {list(self.methods)}; each may stand there once")
-        if "genetic" not in self.methods:
-            raise ValueError(f"methods is {list(self.methods)}; genetic must stand among them")
+        if len(set(self.methods)) < len(self.methods) or "genetic" not in self.methods:
+            raise ValueError(f"methods is {list(self.methods)}; each may stand there once, and genetic must")
         return self
+
+
+class NetworkStudy(Record):
+    """The network of a charger: its data, its form, the selections of its centres, and what it is held against."""
+
+    title: str = Field(min_length=1, description="name of the network, for people")
+    data: DataSettings
+    form: FormSettings
+    selection: SelectionSettings
+    anfis: AnfisSettings
+    size: SizeStudy | None = None
+    kernels: KernelStudy | None = None
 
 
 def _rising(name: str, values: tuple[float, ...]) -> None:

@@ -9,9 +9,9 @@ from numpy.typing import NDArray
 
 from pipeline.grnn.data import Data, data_of
 from pipeline.grnn.records import (
+    DataSettings,
     GradientUnit,
     Grid,
-    NetworkStudy,
     PlateauRamp,
     PlateauSteps,
     Sigmoid,
@@ -35,9 +35,11 @@ def rate(surface: Surface, temperature_c: Array, gradient: Array) -> Array:
         return np.interp(temperature_c, surface.temperatures_c, surface.rates_c)
     if isinstance(surface, Sigmoid):
         exponent = (temperature_c - surface.middle_c + surface.lead_k * gradient) / surface.slope_k
-        return surface.rest_c + surface.fall_c / (1.0 + np.exp(np.clip(exponent, -500.0, 500.0)))
+        found: Array = surface.rest_c + surface.fall_c / (1.0 + np.exp(np.clip(exponent, -500.0, 500.0)))
+        return found
     memberships = (_triangles(temperature_c, surface.temperatures_c), _triangles(gradient, surface.gradients))
-    return np.einsum("im,jm,ij->m", *memberships, np.array(surface.rates_c))
+    mixed: Array = np.einsum("im,jm,ij->m", *memberships, np.array(surface.rates_c))
+    return mixed
 
 
 def _triangles(values: Array, peaks: tuple[float, ...]) -> Array:
@@ -53,12 +55,12 @@ def grid_points(grid: Grid) -> tuple[Array, Array]:
     return np.repeat(np.round(temperatures, 12), grid.gradients), np.tile(gradients, grid.temperatures)
 
 
-def every_surface(study: NetworkStudy) -> dict[str, Data]:
+def every_surface(settings: DataSettings) -> dict[str, Data]:
     """Return the data of every surface on the study's grid."""
-    temperature, gradient = grid_points(study.grid)
-    seconds = GRADIENT_SECONDS[study.gradient_unit]
+    temperature, gradient = grid_points(settings.grid)
+    seconds = GRADIENT_SECONDS[settings.gradient_unit]
     return {
-        name: data_of(temperature, gradient, rate(getattr(study.surfaces, name), temperature, gradient), seconds)
+        name: data_of(temperature, gradient, rate(getattr(settings.surfaces, name), temperature, gradient), seconds)
         for name in Surfaces.model_fields
     }
 
@@ -83,13 +85,13 @@ class Agreement(NamedTuple):
     consistent: bool
 
 
-def agreements(study: NetworkStudy, printed: list[Printed]) -> list[Agreement]:
+def agreements(settings: DataSettings, printed: list[Printed]) -> list[Agreement]:
     """Return every surface against every printed row, within the tolerance to which rates are printed."""
     temperature = np.array([row.temperature_c for row in printed])
     gradient = np.array([row.gradient for row in printed])
     found = []
     for name in Surfaces.model_fields:
-        computed = rate(getattr(study.surfaces, name), temperature, gradient)
+        computed = rate(getattr(settings.surfaces, name), temperature, gradient)
         for row, value in zip(printed, computed.tolist(), strict=True):
-            found.append(Agreement(name, row, value, abs(value - row.rate_c) <= study.table_tolerance_c))
+            found.append(Agreement(name, row, value, abs(value - row.rate_c) <= settings.table_tolerance_c))
     return found
