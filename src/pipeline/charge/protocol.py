@@ -12,7 +12,7 @@ from pipeline.errors import UserError, best_matches
 from pipeline.record import Number, Record, Reference
 
 C_RATE = "_c_rate"
-UNTIL = ("elapsed_s", "soc", "voltage_v", "current_a", "temperature_c")
+UNTIL = ("elapsed_s", "soc", "voltage_v", "current_a", "temperature_c", "voltage_drop_v", "temperature_rate_k_s")
 
 
 @dataclass(frozen=True)

@@ -165,6 +165,8 @@ def _reason(outcome: Outcome, row: int) -> str:
         "voltage_v": ("voltage", " V"),
         "current_a": ("current", " A"),
         "temperature_c": ("temperature", " degC"),
+        "voltage_drop_v": ("voltage below its peak by", " V"),
+        "temperature_rate_k_s": ("temperature rate", " K/s"),
     }[name]
     return f"{'stop: ' if code >= LIMITS else ''}{word} {limits[name]:g}{unit}"
 
