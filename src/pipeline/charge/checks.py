@@ -2,17 +2,21 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 
 from pipeline.cell.records import Battery
 from pipeline.cell.resting import resting_voltage_v
 from pipeline.charge.protocol import Resolver, parameters
 from pipeline.charge.records import ChargeSettings, Mode, Phase
-from pipeline.charge.waveforms import ConstantCurrent, ConstantVoltage, Staged, Until, Waveform
+from pipeline.charge.waveforms import ConstantCurrent, ConstantVoltage, Sampled, Staged, Until, Waveform
 from pipeline.errors import UserError, best_matches
 from pipeline.record import Number, Reference
 
 SHORTEST_SEGMENT_S = 1e-6
+SHORTEST_SAMPLE_S = 1e-3
+MOST_SAMPLES_A_SPAN = 100_000
+WATCHED = ("voltage_drop_v", "temperature_rate_k_s")
 MOST_SAMPLES = 20_000_000
 MOST_COURSES = 100_000
 
@@ -25,11 +29,15 @@ def check(battery: Battery, mode: Mode, settings: ChargeSettings) -> None:
     UserError : with the key path below the mode, the value and what is allowed.
     """
     resolver = Resolver(mode, battery.capacity_in_use_ah)
+    stop = _numbers(resolver.optional(mode.stop, "stop"))
     for name, phase in mode.phases.items():
         _check_phase(resolver, f"phases.{name}", phase, battery, settings)
-    stop = _numbers(resolver.optional(mode.stop, "stop"))
+        if isinstance(phase.waveform, Sampled):
+            values = _numbers(parameters(resolver, phase.waveform, f"phases.{name}"))
+            _check_sampled(f"phases.{name}", values, stop.get("elapsed_s", 0.0))
     _check_until("stop", stop, settings)
     _check_ends(mode, stop, settings)
+    _check_watched(mode)
     unused = sorted(set(mode.knobs) - resolver.used)
     if unused:
         wanted = _known_names(mode)
@@ -40,7 +48,8 @@ def _check_phase(resolver: Resolver, where: str, phase: Phase, battery: Battery,
     waveform = phase.waveform
     values = _numbers(parameters(resolver, waveform, where))
     for name, value in values.items():
-        _check_value(f"{where}.{name}", name.split(".")[0], value)
+        if value != waveform.optional.get(name):
+            _check_value(f"{where}.{name}", name.split(".")[0], value)
     if isinstance(waveform, Staged):
         _check_stages(where, waveform)
     if waveform.periodic:
@@ -91,6 +100,43 @@ def _check_period(where: str, waveform: Waveform, values: Mapping[str, float]) -
                     f"{where}.frequency_hz: at {values['frequency_hz']:g} Hz a segment lasts {segment.length_s:.3g} s; "
                     f"allowed is {SHORTEST_SEGMENT_S:g} s or more"
                 )
+
+
+def _check_sampled(where: str, values: Mapping[str, float], stop_s: float) -> None:
+    interval, span = values.get("sample_interval_s"), values.get("rate_span_s", 0.0)
+    if interval is None:
+        return
+    if interval < SHORTEST_SAMPLE_S:
+        raise UserError(f"{where}.sample_interval_s: {interval:g} s; allowed is {SHORTEST_SAMPLE_S:g} s or more")
+    if stop_s / interval > MOST_SAMPLES:
+        raise UserError(
+            f"{where}.sample_interval_s: {interval:g} s up to stop.elapsed_s {stop_s:g} s are more than "
+            f"{MOST_SAMPLES} samples"
+        )
+    samples = round(span / interval)
+    if span > 0.0 and (samples < 1 or abs(samples * interval - span) > 1e-9 * span or samples > MOST_SAMPLES_A_SPAN):
+        raise UserError(
+            f"{where}.rate_span_s: {span:g} s is no whole number of samples of {interval:g} s, "
+            f"from 1 to {MOST_SAMPLES_A_SPAN}; give a multiple, or 0 for one sample"
+        )
+    if values.get("trickle_a", 0.0) >= values.get("fast_a", math.inf):
+        raise UserError(f"{where}.trickle_a: {values['trickle_a']:g} A is not below fast_a, {values['fast_a']:g} A")
+    stream = values.get("noise_stream", 0.0)
+    if stream != int(stream):
+        raise UserError(f"{where}.noise_stream: {stream:g}; allowed is a whole number, 0 or more")
+
+
+def _check_watched(mode: Mode) -> None:
+    """Check that nobody watches for a falling voltage or a rising rate where pulses make them by themselves."""
+    pulsed = [name for name, phase in mode.phases.items() if phase.waveform.periodic]
+    places = [(f"phases.{name}.until", mode.phases[name].until, name in pulsed) for name in mode.phases]
+    for where, until, wrong in [*places, ("stop", mode.stop, bool(pulsed))]:
+        for name in WATCHED:
+            if wrong and getattr(until, name) is not None:
+                raise UserError(f"{where}.{name}: needs a steady current; pulses change voltage and heat by themselves")
+    sampled = [phase.waveform for phase in mode.phases.values() if isinstance(phase.waveform, Sampled)]
+    if any(other != sampled[0] for other in sampled[1:]):
+        raise UserError("phases: a mode has one controller; those of its phases differ")
 
 
 def _check_until(where: str, until: Mapping[str, float], settings: ChargeSettings) -> None:

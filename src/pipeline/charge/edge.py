@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pipeline.cell.circuit import Cell
+from pipeline.charge.controller import Control, begin, next_current
 from pipeline.charge.program import Program
 from pipeline.charge.record_keeping import Book, add_step, note_marks, reset_extremes, take_sample, write_windows
 from pipeline.charge.segment import (
@@ -38,6 +39,7 @@ _FIRST_STEP_S = 1e-3
 def run_edge(
     cell: Cell,
     program: Program,
+    control: Control,
     supply_time_s: NDArray[np.float64],
     supply_power_w: NDArray[np.float64],
     run: Run,
@@ -52,6 +54,7 @@ def run_edge(
 
     Arguments
     ---------
+    control : what decides the currents of sampled courses.
     supply_time_s, supply_power_w : power at the terminals, constant from each time on, (m,).
     run, book : state to start from, arrays to write into.
     """
@@ -76,7 +79,12 @@ def run_edge(
         proposals[:] = math.inf
         run.memory[:] = 0.0
         reason, periods = NOTHING, 0
+        sampled = program.sampled[course]
+        if sampled:
+            begin(control)
         while reason == NOTHING:
+            if sampled:
+                program.current_a[course, 0] = next_current(control, run.state[TEMPERATURE])
             offset_s = 0.0
             for segment in range(segments):
                 length_s = program.length_s[course, segment]

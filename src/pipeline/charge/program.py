@@ -12,12 +12,16 @@ from numpy.typing import NDArray
 from pipeline.cell.circuit import ZERO_CELSIUS_K
 from pipeline.charge.protocol import Protocol
 from pipeline.charge.segment import FIRST_WATCHED, PLACES, STAGE_EDGE, WATCHED
+from pipeline.charge.waveforms import Sampled
 
 MOST_SEGMENTS = 3
 
 
 class Program(NamedTuple):
-    """Arrays of a protocol; voltages are of one cell, SOC stands as 1 - SOC, what is not asked for is out of reach."""
+    """Arrays of a protocol; voltages are of one cell, SOC stands as 1 - SOC, what is not asked for is out of reach.
+
+    The current of a course that is `sampled` is written anew as each of its periods begins.
+    """
 
     segments: NDArray[np.int64]
     length_s: NDArray[np.float64]
@@ -27,6 +31,7 @@ class Program(NamedTuple):
     limits: NDArray[np.float64]
     elapsed_s: NDArray[np.float64]
     group: NDArray[np.int64]
+    sampled: NDArray[np.bool_]
     stop_elapsed_s: float
 
 
@@ -42,6 +47,7 @@ def compile_program(protocol: Protocol, cells: int) -> Program:
         np.zeros((count, PLACES)),
         np.full(count, np.inf),
         np.zeros(count, dtype=np.int64),
+        np.array([isinstance(course.waveform, Sampled) for course in protocol.courses]),
         protocol.stop.get("elapsed_s", math.inf),
     )
     for row, course in enumerate(protocol.courses):

@@ -13,6 +13,7 @@ from pipeline.cell.circuit import MOST_RELAXATIONS, ZERO_CELSIUS_K, Cell, compil
 from pipeline.cell.records import Battery
 from pipeline.charge import edge
 from pipeline.charge.checks import check
+from pipeline.charge.controller import compile_control
 from pipeline.charge.energy import balance
 from pipeline.charge.program import Program, compile_program
 from pipeline.charge.protocol import UNTIL, Protocol, resolve
@@ -103,6 +104,7 @@ def run(battery: Battery, mode: Mode, supply: Supply, settings: ChargeSettings, 
     status, end_s = edge.run_edge(
         cell,
         program,
+        compile_control(protocol, battery.capacity_in_use_ah),
         np.ascontiguousarray(supply.time_s, dtype=np.float64),
         np.ascontiguousarray(supply.power_w, dtype=np.float64),
         state,

@@ -47,9 +47,7 @@ def peak_until(run: Run, j: int) -> float:
 
 
 @kernel
-def watched_guard(
-    cell: Cell, run: Run, charging: bool, drop_v: float, rate_k_s: float, j: int
-) -> tuple[float, bool]:
+def watched_guard(cell: Cell, run: Run, charging: bool, drop_v: float, rate_k_s: float, j: int) -> tuple[float, bool]:
     """Return how far moment j is from the nearer of the two, and whether that is the falling voltage.
 
     Arguments
