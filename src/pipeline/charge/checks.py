@@ -2,22 +2,18 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Mapping
 
 from pipeline.cell.records import Battery
 from pipeline.cell.resting import resting_voltage_v
 from pipeline.charge.protocol import Resolver, parameters
 from pipeline.charge.records import ChargeSettings, Mode, Phase
+from pipeline.charge.sampled_checks import MOST_SAMPLES, check_sampled, check_watched
 from pipeline.charge.waveforms import ConstantCurrent, ConstantVoltage, Sampled, Staged, Until, Waveform
 from pipeline.errors import UserError, best_matches
 from pipeline.record import Number, Reference
 
 SHORTEST_SEGMENT_S = 1e-6
-SHORTEST_SAMPLE_S = 1e-3
-MOST_SAMPLES_A_SPAN = 100_000
-WATCHED = ("voltage_drop_v", "temperature_rate_k_s")
-MOST_SAMPLES = 20_000_000
 MOST_COURSES = 100_000
 
 
@@ -34,10 +30,10 @@ def check(battery: Battery, mode: Mode, settings: ChargeSettings) -> None:
         _check_phase(resolver, f"phases.{name}", phase, battery, settings)
         if isinstance(phase.waveform, Sampled):
             values = _numbers(parameters(resolver, phase.waveform, f"phases.{name}"))
-            _check_sampled(f"phases.{name}", values, stop.get("elapsed_s", 0.0))
-    _check_until("stop", stop, settings)
+            check_sampled(f"phases.{name}", values, stop.get("elapsed_s", 0.0))
+    _check_until("stop", stop, battery, settings)
     _check_ends(mode, stop, settings)
-    _check_watched(mode)
+    check_watched(mode)
     unused = sorted(set(mode.knobs) - resolver.used)
     if unused:
         wanted = _known_names(mode)
@@ -65,7 +61,7 @@ def _check_phase(resolver: Resolver, where: str, phase: Phase, battery: Battery,
                 f"(SOC {settings.initial_soc:g}, {settings.ambient_c:g} degC); give more"
             )
     until = _numbers(resolver.optional(phase.until, f"{where}.until"))
-    _check_until(f"{where}.until", until, settings)
+    _check_until(f"{where}.until", until, battery, settings)
     if phase.until.current_a is not None and not isinstance(waveform, ConstantVoltage | ConstantCurrent):
         raise UserError(f"{where}.until.current_a: only a constant current or voltage can end by current")
 
@@ -102,49 +98,15 @@ def _check_period(where: str, waveform: Waveform, values: Mapping[str, float]) -
                 )
 
 
-def _check_sampled(where: str, values: Mapping[str, float], stop_s: float) -> None:
-    interval, span = values.get("sample_interval_s"), values.get("rate_span_s", 0.0)
-    if interval is None:
-        return
-    if interval < SHORTEST_SAMPLE_S:
-        raise UserError(f"{where}.sample_interval_s: {interval:g} s; allowed is {SHORTEST_SAMPLE_S:g} s or more")
-    if stop_s / interval > MOST_SAMPLES:
-        raise UserError(
-            f"{where}.sample_interval_s: {interval:g} s up to stop.elapsed_s {stop_s:g} s are more than "
-            f"{MOST_SAMPLES} samples"
-        )
-    samples = round(span / interval)
-    if span > 0.0 and (samples < 1 or abs(samples * interval - span) > 1e-9 * span or samples > MOST_SAMPLES_A_SPAN):
-        raise UserError(
-            f"{where}.rate_span_s: {span:g} s is no whole number of samples of {interval:g} s, "
-            f"from 1 to {MOST_SAMPLES_A_SPAN}; give a multiple, or 0 for one sample"
-        )
-    if values.get("trickle_a", 0.0) >= values.get("fast_a", math.inf):
-        raise UserError(f"{where}.trickle_a: {values['trickle_a']:g} A is not below fast_a, {values['fast_a']:g} A")
-    stream = values.get("noise_stream", 0.0)
-    if stream != int(stream):
-        raise UserError(f"{where}.noise_stream: {stream:g}; allowed is a whole number, 0 or more")
-
-
-def _check_watched(mode: Mode) -> None:
-    """Check that nobody watches for a falling voltage or a rising rate where pulses make them by themselves."""
-    pulsed = [name for name, phase in mode.phases.items() if phase.waveform.periodic]
-    places = [(f"phases.{name}.until", mode.phases[name].until, name in pulsed) for name in mode.phases]
-    for where, until, wrong in [*places, ("stop", mode.stop, bool(pulsed))]:
-        for name in WATCHED:
-            if wrong and getattr(until, name) is not None:
-                raise UserError(f"{where}.{name}: needs a steady current; pulses change voltage and heat by themselves")
-    sampled = [phase.waveform for phase in mode.phases.values() if isinstance(phase.waveform, Sampled)]
-    if any(other != sampled[0] for other in sampled[1:]):
-        raise UserError("phases: a mode has one controller; those of its phases differ")
-
-
-def _check_until(where: str, until: Mapping[str, float], settings: ChargeSettings) -> None:
+def _check_until(where: str, until: Mapping[str, float], battery: Battery, settings: ChargeSettings) -> None:
     for name, value in until.items():
         if name != "temperature_c" and value <= 0.0:
             raise UserError(f"{where}.{name}: {value:g}; it must be greater than 0")
-    if until.get("soc", 0.5) >= 1.0:
-        raise UserError(f"{where}.soc: {until['soc']:g} is never reached; give less than 1")
+    soc = until.get("soc", 0.5)
+    if soc > 1.0 or (soc == 1.0 and not battery.fills):
+        raise UserError(
+            f"{where}.soc: {soc:g} is never reached; give {'1 or less' if battery.fills else 'less than 1'}"
+        )
     if until.get("temperature_c", 1e9) <= settings.ambient_c:
         raise UserError(
             f"{where}.temperature_c: {until['temperature_c']:g} degC is not above the ambient's {settings.ambient_c:g}"

@@ -21,7 +21,6 @@ Array = NDArray[np.float64]
 NETWORK, RATE_SWITCH = range(2)
 # What is held from sample to sample: the current decided last, whether the rule has switched, samples taken.
 _DECIDED, _SWITCHED, _TAKEN = range(3)
-_NO_NETWORK = make_network([[0.0, 0.0]], [0.0], widths=1.0)
 
 
 class Control(NamedTuple):
@@ -54,7 +53,7 @@ def compile_control(protocol: Protocol, capacity_ah: float) -> Control:
     """
     course = next((one for one in protocol.courses if isinstance(one.waveform, Sampled)), None)
     if course is None:
-        return _control(RATE_SWITCH, _NO_NETWORK, {}, capacity_ah, 1)
+        return _NOTHING
     law, network = RATE_SWITCH, _NO_NETWORK
     if isinstance(course.waveform, Controller):
         written = course.waveform.network
@@ -124,3 +123,7 @@ def _law(control: Control, temperature_c: float, rate_k_s: float) -> float:
     if rate_k_s >= control.trip_rate_k_s:
         control.held[_SWITCHED] = 1.0
     return control.trickle_a if control.held[_SWITCHED] > 0.0 else control.fast_a
+
+
+_NO_NETWORK = make_network([[0.0, 0.0]], [0.0], widths=1.0)
+_NOTHING = _control(RATE_SWITCH, _NO_NETWORK, {}, 0.0, 1)

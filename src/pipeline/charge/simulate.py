@@ -93,7 +93,7 @@ def run(battery: Battery, mode: Mode, supply: Supply, settings: ChargeSettings, 
     """Run the engine and return its arrays; arguments and errors are those of `simulate`."""
     check(battery, mode, settings)
     cell = compile_cell(battery)
-    protocol = resolve(mode, battery.capacity_in_use_ah)
+    protocol = resolve(mode, battery.capacity_in_use_ah, battery.fills)
     program = compile_program(protocol, battery.cells_in_series)
     state = new_run()
     start = state["state"].copy()
