@@ -59,8 +59,8 @@ _OF_A_SEARCH = {"history": schemas.SEARCH_HISTORY, "best": schemas.SEARCH_BEST}
 
 _SUMMARY = (
     "end_time_s end_soc charge_in_ah charge_out_ah energy_in_wh energy_out_wh charge_efficiency energy_efficiency "
-    "peak_temperature_c peak_temperature_rise_k end_temperature_c mean_current_a time_at_voltage_limit_s "
-    "time_at_supply_limit_s energy_balance_residual steps edges control_changes"
+    "peak_temperature_c peak_temperature_rise_k end_temperature_c peak_temperature_rate_k_s mean_current_a "
+    "time_at_voltage_limit_s time_at_supply_limit_s energy_balance_residual steps edges control_changes"
 )
 
 
