@@ -36,6 +36,7 @@ CHUNK_SIZE = {
     "tuning": (1, 4),
     "search": (1, 8),
     "charge": (1, 12),
+    "trade_off": (1, 4),
     "verdicts": (1, 32),
     "figures": (7, 14),
     "page": (1, 8),
@@ -45,7 +46,7 @@ TARGETS = {
     "panel": ("panel", "supply"),
     "tuning": ("tuning",),
     "search": ("chaos", "objective", "search"),
-    "charges": ("charge",),
+    "charges": ("charge", "trade_off"),
     "figures": ("figures",),
 }
 

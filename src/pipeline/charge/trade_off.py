@@ -9,11 +9,8 @@ from typing import NamedTuple
 from pipeline.cell.records import Battery
 from pipeline.charge.records import ChargeSettings, EngineSettings, Mode
 from pipeline.charge.simulate import BENCH, simulate
-from pipeline.charge.trade_off_records import CONSTANT, Condition, Sensor, TradeOff
+from pipeline.charge.trade_off_records import CONSTANT, OWN, TIMER, Condition, Sensor, TradeOff
 from pipeline.charge.waveforms import Sampled
-
-OWN = "own"
-"""The sensor of a mode as it stands in its sheet."""
 
 
 class Row(NamedTuple):
@@ -85,8 +82,10 @@ _BLANK = (math.nan, math.nan, math.nan, math.nan, math.nan, "")
 
 def _constants(chosen: TradeOff) -> Iterator[tuple[float, str, Mode]]:
     for rate in chosen.c_rates:
-        for name, stop in chosen.stops.items():
-            given = {"elapsed_s": chosen.give_up_share * 3600.0 / rate} | stop.model_dump(exclude_none=True)
+        hour_s = 3600.0 / rate
+        stops = {name: stop.model_dump(exclude_none=True) for name, stop in chosen.stops.items()}
+        for name, stop in (stops | {TIMER: {"elapsed_s": chosen.timer_share * hour_s}}).items():
+            given = {"elapsed_s": chosen.give_up_share * hour_s} | stop
             sheet = {
                 "title": CONSTANT,
                 "current_c_rate": rate,

@@ -9,8 +9,20 @@ from pydantic import Field, model_validator
 from pipeline.charge.waveforms import Until
 from pipeline.record import Record
 
-CONSTANT = "constant_current"
-"""What stands for the law in rows of constant currents."""
+CONSTANT, TIMER, OWN = "constant_current", "timer", "own"
+"""What stands in rows for the law of a constant current, the stop by a timer, and the sensor of a mode's own sheet."""
+
+NUMBERS = (
+    "network_time_to_full_{of}_s network_peak_{of}_c network_charge_in_{of} rule_time_to_full_{of}_s rule_peak_{of}_c "
+    "rule_charge_in_{of} rival_time_to_full_{of}_s rival_peak_{of}_c rival_c_rate_{of} coolest_time_to_full_{of}_s "
+    "coolest_peak_{of}_c coolest_c_rate_{of}"
+)
+"""Names of the numbers found in each condition `of`."""
+BEHIND = (
+    "network_time_to_full_behind_{of}_s network_peak_behind_{of}_c rule_time_to_full_behind_{of}_s "
+    "rule_end_soc_behind_{of}"
+)
+"""Names of the numbers found behind each sensor `of`."""
 
 
 class Condition(Record):
@@ -38,6 +50,7 @@ class TradeOff(Record):
     full_soc: float = Field(0.95, gt=0, lt=1, description="state of charge that counts as charged [1]")
     give_up_share: float = Field(2.0, gt=1, description="charge at which a constant current is given up [capacity]")
     stops: dict[str, Until] = Field(min_length=1, description="ways to stop a constant current, by name")
+    timer_share: float = Field(1.0, gt=0, description="charge after which a timer stops a constant current [capacity]")
     conditions: dict[str, Condition] = Field(min_length=1, description="by name; the first is that of the paper")
     sensors: dict[str, Sensor] = Field(default_factory=dict, description="sensors tried in the first condition")
     candidate: str = Field(min_length=1, description="mode that is asked about: is it worth it?")
@@ -48,7 +61,14 @@ class TradeOff(Record):
         if any(after <= before for before, after in zip([0.0, *self.c_rates], self.c_rates, strict=False)):
             raise ValueError(f"c_rates are {self.c_rates}; they must rise from above 0")
         for name, stop in self.stops.items():
+            if name == TIMER:
+                raise ValueError(f"stops has {TIMER!r}, which timer_share sets")
             given = [key for key, value in stop if value is not None]
             if len(given) != 1 or any(isinstance(value, str) for _, value in stop):
-                raise ValueError(f"stops.{name} has {given or 'nothing'}; give one number, so that it shows what it does")
+                raise ValueError(f"stops.{name} has {given or 'nothing'}; allowed is one number")
         return self
+
+    def quantities(self) -> set[str]:
+        """Return the names of the numbers that the trade-off finds."""
+        found = {name.format(of=of) for name in NUMBERS.split() for of in self.conditions}
+        return found | {name.format(of=of) for name in BEHIND.split() for of in self.sensors}
