@@ -14,14 +14,13 @@ from pipeline.planfile import command
 from pipeline.published.records import needs
 from pipeline.record import Record
 from pipeline.search_phases import FINDERS, SECTION_OF, finders
+from pipeline.trade_off_phases import trade_offs
 
 
 def drafts(study: Study) -> list[Draft]:
     """Return the nodes of a study, inputs before those that read them."""
-    nodes = [
-        with_found(node)
-        for node in (*_supply(study), *finders(study), *network(study), *_charges(study), *_ensemble(study))
-    ]
+    found = (*_supply(study), *finders(study), *network(study), *_charges(study), *_ensemble(study))
+    nodes = [with_found(node) for node in (*found, *trade_offs(study))]
     nodes = needed(nodes, FINDERS)
     nodes += _verdicts(study, nodes)
     nodes += _figures(study, nodes)
@@ -40,7 +39,7 @@ def compared_modes(study: Study) -> Iterator[tuple[str, str, Mode]]:
         reference = comparison.mean_current_of
         for mode_name in study.run:
             other = None if reference is None else study.modes[reference]
-            yield name, mode_name, compared(study.modes[mode_name], other, study.battery)
+            yield name, mode_name, compared(study.modes[mode_name], other, study.battery, comparison.stops)
 
 
 def _supply(study: Study) -> Iterator[Draft]:
@@ -126,6 +125,7 @@ def _ensemble(study: Study) -> Iterator[Draft]:
                 "seed": study.seed,
                 "run": study.run,
                 "comparisons": {name: card.mean_current_of for name, card in study.comparisons.items()},
+                "stops": {name: card.stops for name, card in study.comparisons.items() if card.stops is not None},
             }
         ),
         inputs=_charge_inputs(study),
@@ -237,6 +237,8 @@ def _configured(study: Study, reads: Iterable[str]) -> dict[str, Any]:
         found["system"]["discharge_voltage_v"] = study.objective.discharge_voltage_v if study.objective else None
     if "algorithm" in reads and study.search is not None:
         found["algorithm"] = plain(study.search.model_copy(update={"variants": {}}))
+    if "trade_off" in reads and study.trade_off is not None:
+        found["trade_off"] = plain(study.trade_off)
     return found
 
 
@@ -245,7 +247,9 @@ def _named(records: Mapping[str, Record]) -> list[dict[str, Any]]:
     return [{"name": name, **plain(record)} for name, record in records.items()]
 
 
-_SHOWN = frozenset({"panel", "supply", "chaos", "objective", "tuning", "search", "charge", "verdicts", "figures"})
+_SHOWN = frozenset(
+    {"panel", "supply", "chaos", "objective", "tuning", "search", "charge", "trade_off", "verdicts", "figures"}
+)
 
 
 def _page(study: Study, nodes: list[Draft]) -> Iterator[Draft]:
@@ -261,6 +265,7 @@ def _page(study: Study, nodes: list[Draft]) -> Iterator[Draft]:
             "parameters": _parameters(study, {node.step for node in nodes}),
             "command": command(study.study.name, study.overrides),
             "overrides": list(study.overrides),
+            "settings": _configured(study, ("trade_off",)),
             **_labels(study),
         },
         inputs={node.name: node.name for node in nodes if node.step in _SHOWN},

@@ -43,6 +43,7 @@ CHUNK_SIZE = {
     "network_size": (1, 4),
     "network_kernels": (1, 4),
     "charge": (1, 12),
+    "trade_off": (1, 4),
     "verdicts": (1, 32),
     "figures": (7, 14),
     "page": (1, 8),
@@ -53,7 +54,7 @@ TARGETS = {
     "tuning": ("tuning",),
     "search": ("chaos", "objective", "search"),
     "network": ("surface", "network", "network_size", "network_kernels"),
-    "charges": ("charge",),
+    "charges": ("charge", "trade_off"),
     "figures": ("figures",),
 }
 

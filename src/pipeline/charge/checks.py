@@ -8,12 +8,12 @@ from pipeline.cell.records import Battery
 from pipeline.cell.resting import resting_voltage_v
 from pipeline.charge.protocol import Resolver, parameters
 from pipeline.charge.records import ChargeSettings, Mode, Phase
-from pipeline.charge.waveforms import ConstantCurrent, ConstantVoltage, Staged, Until, Waveform
+from pipeline.charge.sampled_checks import MOST_SAMPLES, check_sampled, check_watched
+from pipeline.charge.waveforms import ConstantCurrent, ConstantVoltage, Sampled, Staged, Until, Waveform
 from pipeline.errors import UserError, best_matches
 from pipeline.record import Number, Reference
 
 SHORTEST_SEGMENT_S = 1e-6
-MOST_SAMPLES = 20_000_000
 MOST_COURSES = 100_000
 
 
@@ -25,11 +25,15 @@ def check(battery: Battery, mode: Mode, settings: ChargeSettings) -> None:
     UserError : with the key path below the mode, the value and what is allowed.
     """
     resolver = Resolver(mode, battery.capacity_in_use_ah)
+    stop = _numbers(resolver.optional(mode.stop, "stop"))
     for name, phase in mode.phases.items():
         _check_phase(resolver, f"phases.{name}", phase, battery, settings)
-    stop = _numbers(resolver.optional(mode.stop, "stop"))
-    _check_until("stop", stop, settings)
+        if isinstance(phase.waveform, Sampled):
+            values = _numbers(parameters(resolver, phase.waveform, f"phases.{name}"))
+            check_sampled(f"phases.{name}", values, stop.get("elapsed_s", 0.0))
+    _check_until("stop", stop, battery, settings)
     _check_ends(mode, stop, settings)
+    check_watched(mode)
     unused = sorted(set(mode.knobs) - resolver.used)
     if unused:
         wanted = _known_names(mode)
@@ -40,7 +44,8 @@ def _check_phase(resolver: Resolver, where: str, phase: Phase, battery: Battery,
     waveform = phase.waveform
     values = _numbers(parameters(resolver, waveform, where))
     for name, value in values.items():
-        _check_value(f"{where}.{name}", name.split(".")[0], value)
+        if value != waveform.optional.get(name):
+            _check_value(f"{where}.{name}", name.split(".")[0], value)
     if isinstance(waveform, Staged):
         _check_stages(where, waveform)
     if waveform.periodic:
@@ -56,7 +61,7 @@ def _check_phase(resolver: Resolver, where: str, phase: Phase, battery: Battery,
                 f"(SOC {settings.initial_soc:g}, {settings.ambient_c:g} degC); give more"
             )
     until = _numbers(resolver.optional(phase.until, f"{where}.until"))
-    _check_until(f"{where}.until", until, settings)
+    _check_until(f"{where}.until", until, battery, settings)
     if phase.until.current_a is not None and not isinstance(waveform, ConstantVoltage | ConstantCurrent):
         raise UserError(f"{where}.until.current_a: only a constant current or voltage can end by current")
 
@@ -93,12 +98,15 @@ def _check_period(where: str, waveform: Waveform, values: Mapping[str, float]) -
                 )
 
 
-def _check_until(where: str, until: Mapping[str, float], settings: ChargeSettings) -> None:
+def _check_until(where: str, until: Mapping[str, float], battery: Battery, settings: ChargeSettings) -> None:
     for name, value in until.items():
         if name != "temperature_c" and value <= 0.0:
             raise UserError(f"{where}.{name}: {value:g}; it must be greater than 0")
-    if until.get("soc", 0.5) >= 1.0:
-        raise UserError(f"{where}.soc: {until['soc']:g} is never reached; give less than 1")
+    soc = until.get("soc", 0.5)
+    if soc > 1.0 or (soc == 1.0 and not battery.fills):
+        raise UserError(
+            f"{where}.soc: {soc:g} is never reached; give {'1 or less' if battery.fills else 'less than 1'}"
+        )
     if until.get("temperature_c", 1e9) <= settings.ambient_c:
         raise UserError(
             f"{where}.temperature_c: {until['temperature_c']:g} degC is not above the ambient's {settings.ambient_c:g}"

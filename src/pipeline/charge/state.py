@@ -79,6 +79,9 @@ RUN = np.dtype(
         ("steps", np.int64),
         ("edges", np.int64),
         ("changes", np.int64),
+        # Highest voltage of a cell since the current was last lowered, and that current.
+        ("peak_v", np.float64),
+        ("peak_a", np.float64),
         *WEIGHT_FIELDS,
     ],
     align=True,

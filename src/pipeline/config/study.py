@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
-from typing import Any
+from typing import Any, Literal
 
 from pydantic import Field, ValidationError, field_validator
 
@@ -13,6 +13,7 @@ from pipeline.cell.records import Battery
 from pipeline.charge import checks as charge_checks
 from pipeline.charge.ensemble import EnsembleSettings
 from pipeline.charge.records import ChargeSettings, EngineSettings, Mode
+from pipeline.charge.trade_off_records import TradeOff
 from pipeline.config import searching
 from pipeline.config.compose import CONF, Composed, options
 from pipeline.config.messages import explain
@@ -69,12 +70,18 @@ class StudyCard(Record):
         return name
 
 
+StopName = Literal["soc", "voltage_v", "current_a", "temperature_c", "voltage_drop_v", "temperature_rate_k_s"]
+
+
 class Comparison(Record):
     """How modes are made comparable."""
 
     title: str
     mean_current_of: str | None = Field(
         default=None, description="mode whose constant current every pulsed mode's mean is set to; none: as configured"
+    )
+    stops: tuple[StopName, ...] | None = Field(
+        default=None, description="the stops of the modes that count, beside the time; none: all of them"
     )
 
 
@@ -95,6 +102,7 @@ class Study(Record):
     charge: ChargeSettings
     engine: EngineSettings = EngineSettings()
     ensemble: EnsembleSettings = EnsembleSettings(samples=0)
+    trade_off: TradeOff | None = Field(default=None, description="charge time against peak temperature")
     chaos: ChaosSettings | None = None
     network: NetworkStudy | None = Field(default=None, description="the network that commands a charger")
     objective: ReflexFrequency | None = Field(default=None, description="what a search minimises")
@@ -127,7 +135,7 @@ def sections(modes_in_use: tuple[str, ...]) -> tuple[str, ...]:
         *("panel", "weather", "converter", "load", "battery"),
         *modes,
         *charge,
-        *("objective", "design", "search", "oracle", "network"),
+        *("objective", "design", "search", "oracle", "network", "trade_off"),
     )
 
 
@@ -231,7 +239,7 @@ def _makeable(study: Study) -> set[str]:
     """Return every input the study could make, also with modes that this run leaves out."""
     supplied = {"panel", "supply"} if study.panel is not None else set()
     charges = {f"charge/{comparison}/{mode}" for comparison in study.comparisons for mode in options("modes")}
-    supplied |= {name for name in ("chaos", "objective") if getattr(study, name) is not None}
+    supplied |= {name for name in ("chaos", "objective", "trade_off") if getattr(study, name) is not None}
     supplied |= set(searching.found_values(study)) | ({"tuning"} if study.design is not None else set())
     return supplied | charges | {f"reference/{path.stem}" for path in reference_tables()}
 

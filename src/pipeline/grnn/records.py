@@ -14,6 +14,8 @@ Kernel = Literal["gaussian", "wendland", "extendable"]
 GradientUnit = Literal["k_min", "k_s"]
 Positive = Annotated[float, Field(gt=0)]
 SurfaceName = Literal["plateau_steps", "plateau_ramp", "sigmoid", "takagi_sugeno"]
+LONG = "genetic_long"
+"""Name of the network that the genetic algorithm ends with beyond the generations that are used."""
 Method = Literal["genetic", "exchange", "random_best", "greedy", "least_squares", "medoids", "random", "regular"]
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable
 from typing import NamedTuple
 
-from pipeline import schemas
+from pipeline import schemas, schemas_trade_off
 from pipeline.tables import Table
 
 
@@ -25,6 +25,8 @@ SOURCES: dict[tuple[str, str], Source] = {
     ("charge", "trace"): Source("trace.bdf.parquet", schemas.CHARGE_TRACE, "Test Time / s"),
     ("charge", "phases"): Source("phases.parquet", schemas.CHARGE_PHASES),
     ("charge", "energy"): Source("energy.parquet", schemas.CHARGE_ENERGY),
+    ("trade_off", "trade_off"): Source("trade_off.parquet", schemas_trade_off.TRADE_OFF),
+    ("trade_off", "quantities"): Source("quantities.parquet", schemas.QUANTITIES),
     ("ensemble", "ensemble"): Source("ensemble.parquet", schemas.ENSEMBLE),
     ("chaos", "orbit"): Source("orbit.parquet", schemas.ORBIT),
     ("chaos", "bifurcation"): Source("bifurcation.parquet", schemas.ORBIT),
@@ -59,8 +61,8 @@ _OF_A_SEARCH = {"history": schemas.SEARCH_HISTORY, "best": schemas.SEARCH_BEST}
 
 _SUMMARY = (
     "end_time_s end_soc charge_in_ah charge_out_ah energy_in_wh energy_out_wh charge_efficiency energy_efficiency "
-    "peak_temperature_c peak_temperature_rise_k end_temperature_c mean_current_a time_at_voltage_limit_s "
-    "time_at_supply_limit_s energy_balance_residual steps edges control_changes"
+    "peak_temperature_c peak_temperature_rise_k end_temperature_c peak_temperature_rate_k_s mean_current_a "
+    "time_at_voltage_limit_s time_at_supply_limit_s energy_balance_residual steps edges control_changes"
 )
 
 

@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from pipeline import schemas, tables
+from pipeline import schemas, schemas_trade_off, tables
 
 Columns = dict[str, NDArray[Any]]
 
@@ -34,6 +34,7 @@ FILES: dict[str, tuple[str, tables.Table]] = {
     "contour": ("contour.parquet", schemas.FREQUENCY_CONTOUR),
     "factorial": ("factorial.parquet", schemas.TUNING_FACTORIAL),
     "agreement": ("agreement.parquet", schemas.TUNING_AGREEMENT),
+    "trade_off": ("trade_off.parquet", schemas_trade_off.TRADE_OFF),
     "statistics": ("statistics.parquet", schemas.SEARCH_STATISTICS),
     "comparison": ("comparison.parquet", schemas.SEARCH_COMPARISON),
 }
