@@ -93,12 +93,13 @@ class Surfaces(Record):
 
 
 class Widths(Record):
-    """Every pair of these widths is tried with each method; the one with the least mean error is taken."""
+    """Every pair of these widths is tried with each method, the best once more for longer; the best is taken."""
 
     temperature: tuple[Positive, ...] = Field(min_length=1, description="over the scaled temperature [1]")
     gradient: tuple[Positive, ...] = Field(min_length=1, description="over the scaled gradient [1]")
     trial_replicates: int = Field(ge=1, description="selections that a pair is judged by [1]")
     trial_generations: int = Field(ge=1, description="generations whose evaluations each of them has [1]")
+    finalists: int = Field(ge=1, description="best pairs that are tried again with all evaluations [1]")
 
     def pairs(self) -> list[tuple[float, float]]:
         """Return all pairs."""

@@ -91,10 +91,9 @@ def of_networks(
     used = found.results["genetic"].form
     task = Task(data, used.kernel, used.extension, form.centres, settings.genetic)
     if "least_squares" in found.results:
-        widths = found.results["least_squares"].form.widths
-        left = least_squares(task.problem(widths, 1)).error[-1]
-        says = "error of orthogonal least squares' own network, with linear output weights"
-        quantities.append(Quantity("least_squares_linear_mse", float(left), _MSE, says))
+        left = min(float(least_squares(task.problem(pair, 1)).error[-1]) for pair in form.widths.pairs())
+        says = "error of orthogonal least squares' own network, with a constant and linear output weights"
+        quantities.append(Quantity("least_squares_linear_mse", left, _MSE, says))
     quantities += [
         Quantity("anfis_mse", float(np.min(learning.error)), _MSE, "error of the neuro-fuzzy system"),
         Quantity("uncovered_share", uncovered(data, found.results["genetic"]), "1", "share of the data no support of "
