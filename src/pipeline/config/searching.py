@@ -56,6 +56,8 @@ def found_values(study: Study) -> dict[str, tuple[str, ...]]:
         found["search"] = tuple(study.search.variables)
         if study.design is not None and study.search.kind == TUNED:
             found["tuning"] = tuple(study.design.factors)
+    if study.network is not None:
+        found["network"] = (*study.network.selection.methods, "genetic_long")
     return found
 
 

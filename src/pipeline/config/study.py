@@ -21,6 +21,7 @@ from pipeline.config.sources import Source, attribute, leaves, split
 from pipeline.converter import checks as supply_checks
 from pipeline.converter.records import Load, PowerChain
 from pipeline.errors import UserError, best_matches
+from pipeline.grnn.records import NetworkStudy
 from pipeline.objective.records import ReflexFrequency
 from pipeline.panel.records import Panel, PanelCurveSettings, Weather
 from pipeline.published import checks as published_checks
@@ -40,6 +41,7 @@ RESERVED = frozenset(
         "charges",
         "figures",
         "logs",
+        "network",
         "panel",
         "plan",
         "receipts",
@@ -102,6 +104,7 @@ class Study(Record):
     ensemble: EnsembleSettings = EnsembleSettings(samples=0)
     trade_off: TradeOff | None = Field(default=None, description="charge time against peak temperature")
     chaos: ChaosSettings | None = None
+    network: NetworkStudy | None = Field(default=None, description="the network that commands a charger")
     objective: ReflexFrequency | None = Field(default=None, description="what a search minimises")
     design: Design | None = Field(default=None, description="parameter design that tunes the search")
     search: AnySettings | None = Field(default=None, description="the search whose result others may ask for")
@@ -132,7 +135,7 @@ def sections(modes_in_use: tuple[str, ...]) -> tuple[str, ...]:
         *("panel", "weather", "converter", "load", "battery"),
         *modes,
         *charge,
-        *("objective", "design", "search", "oracle", "trade_off"),
+        *("objective", "design", "search", "oracle", "network", "trade_off"),
     )
 
 

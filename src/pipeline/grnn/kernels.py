@@ -3,14 +3,15 @@
 from __future__ import annotations
 
 import math
-from typing import Literal
 
+from pipeline.grnn.records import Kernel
 from pipeline.jit import inlined
 
-Kernel = Literal["gaussian", "wendland", "extendable"]
 KERNELS: tuple[Kernel, ...] = ("gaussian", "wendland", "extendable")
 GAUSSIAN, WENDLAND, EXTENDABLE = range(3)
 """Codes of the kernels: their places in `KERNELS`."""
+EDGE = 1.0 - 1e-9
+"""Where a support ends; on a grid centres lie at its edge, where rounding must not decide which of them counts."""
 
 
 @inlined
@@ -36,7 +37,7 @@ def weight(kernel: int, squared: float, nearest: float, extension: float) -> flo
     if kernel == EXTENDABLE:
         radius = max(1.0, extension * math.sqrt(nearest))
     distance = math.sqrt(squared) / radius
-    if distance >= 1.0:
+    if distance >= EDGE:
         return 0.0
     rest = (1.0 - distance) * (1.0 - distance)
     return rest * rest * (4.0 * distance + 1.0)

@@ -2,7 +2,7 @@
 
 The paper's eq. (1): C(x) = sum_i y_i phi(|x - x_i|) / sum_i phi(|x - x_i|), over scaled inputs. Never 0/0: the Gaussian
 keeps the nearest centre's weight at 1, the extendable support reaches every query, and where no Wendland support
-reaches, the nearest centre's output stands, to which the ratio tends at the edge of its support.
+reaches, the nearest centre's output stands (the mean of several's), to which the ratio tends at the edge of a support.
 
     make_network(centres, outputs, *, widths, scales, kernel="gaussian", extension=2.0, low, high, gradient_seconds)
         -> Network                                     a picklable NamedTuple of arrays
@@ -23,13 +23,16 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from pipeline.errors import best_matches
-from pipeline.grnn.kernels import KERNELS, Kernel, weight
+from pipeline.grnn.kernels import KERNELS, weight
+from pipeline.grnn.records import Kernel
 from pipeline.jit import inlined, jit
 
 Array = NDArray[np.float64]
 
 # Beyond this many widths distances count as equal: their squares stay finite.
 _FAR = 1e75
+TIE = 1.0 + 1e-9
+"""Squared distances within this factor of the least are those of the nearest centres; on a grid many are."""
 
 
 class Network(NamedTuple):
@@ -131,19 +134,20 @@ def _squared_distance(network: Any, row: int, query: Any) -> float:
 @inlined
 def respond(network: Any, query: Any) -> float:
     """Return the network's output at a query of any number of inputs, an array or a tuple."""
-    nearest, first = math.inf, 0
+    nearest = math.inf
     for row in range(network.centre_count):
-        squared = _squared_distance(network, row, query)
-        if squared < nearest:
-            nearest, first = squared, row
+        nearest = min(nearest, _squared_distance(network, row, query))
     weighted, total = 0.0, 0.0
     for row in range(network.centre_count):
         share = weight(network.kernel, _squared_distance(network, row, query), nearest, network.extension)
         weighted += share * network.outputs[row]
         total += share
-    if total > 0.0:
-        return weighted / total
-    return float(network.outputs[first])
+    if total == 0.0:
+        for row in range(network.centre_count):
+            share = 1.0 if _squared_distance(network, row, query) <= TIE * nearest else 0.0
+            weighted += share * network.outputs[row]
+            total += share
+    return weighted / total
 
 
 @inlined
