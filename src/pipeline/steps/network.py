@@ -40,9 +40,7 @@ def run(settings: Mapping[str, Any], inputs: Mapping[str, Path], output: Path) -
     epochs = {"epoch": np.arange(1, len(learning.error) + 1), "mse": learning.error}
     tables.write(schemas_network.LEARNING, epochs, output / "learning.parquet")
     tables.write(schemas.QUANTITIES, quantity.columns(numbers), output / "quantities.parquet")
-    found_values.write(
-        {name: charger_network(one).model_dump(mode="json") for name, (one, _) in best.items()}, output
-    )
+    found_values.write({name: charger_network(one).model_dump(mode="json") for name, (one, _) in best.items()}, output)
 
 
 def _best(
