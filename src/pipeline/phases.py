@@ -9,6 +9,7 @@ from pipeline.charge.comparison import compared
 from pipeline.charge.records import Mode
 from pipeline.config.study import Study
 from pipeline.draft import Draft, needed, plain, with_found
+from pipeline.network_phases import STEPS as NETWORK_STEPS
 from pipeline.network_phases import network
 from pipeline.planfile import command
 from pipeline.published.records import needs
@@ -19,8 +20,8 @@ from pipeline.trade_off_phases import trade_offs
 
 def drafts(study: Study) -> list[Draft]:
     """Return the nodes of a study, inputs before those that read them."""
-    found = (*_supply(study), *finders(study), *network(study), *_charges(study), *_ensemble(study))
-    nodes = [with_found(node) for node in (*found, *trade_offs(study))]
+    parts = (_supply, finders, network, _charges, _ensemble, trade_offs)
+    nodes = [with_found(node) for part in parts for node in part(study)]
     nodes = needed(nodes, FINDERS)
     nodes += _verdicts(study, nodes)
     nodes += _figures(study, nodes)
@@ -249,6 +250,7 @@ def _named(records: Mapping[str, Record]) -> list[dict[str, Any]]:
 
 _SHOWN = frozenset(
     {"panel", "supply", "chaos", "objective", "tuning", "search", "charge", "trade_off", "verdicts", "figures"}
+    | set(NETWORK_STEPS)
 )
 
 

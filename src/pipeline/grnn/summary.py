@@ -82,6 +82,9 @@ def of_networks(
         Quantity("nodes_of_anfis", float(nodes(sets)), "1", "nodes of the neuro-fuzzy system, as MATLAB counts them"),
         Quantity("rules_of_anfis", float(sets[0] * sets[1]), "1", "its rules"),
         Quantity("population", float(settings.genetic.population), "1", "strings of a generation"),
+        Quantity("crossover", settings.genetic.crossover, "1", "chance that a child has two parents"),
+        Quantity("mutation", settings.genetic.mutation, "1", "chance that a gene is drawn anew"),
+        Quantity("elite", float(settings.genetic.elite), "1", "best strings that go on unchanged"),
         Quantity("generations", float(settings.generations), "1", "generations behind the network that is used"),
         Quantity("long_generations", float(settings.long_generations), "1", "generations that are followed in all"),
     ]
