@@ -113,15 +113,15 @@ PEERS: dict[str, tuple[str | None, Callable[[Problem, int], float]]] = {
 
 def main() -> None:
     task = problem()
-    found = {
-        name: run for name, (package, run) in PEERS.items() if package is None or importlib.util.find_spec(package)
+    installed = {
+        name: run for name, (package, run) in PEERS.items() if not package or importlib.util.find_spec(package)
     }
-    for run in found.values():
+    for run in installed.values():
         run(task, 0)
-    walls: dict[str, list[float]] = {name: [] for name in found}
-    errors: dict[str, list[float]] = {name: [] for name in found}
+    walls: dict[str, list[float]] = {name: [] for name in installed}
+    errors: dict[str, list[float]] = {name: [] for name in installed}
     for seed in range(1, ROUNDS + 1):
-        for name, run in found.items():
+        for name, run in installed.items():
             begin = time.perf_counter()
             errors[name].append(run(task, seed))
             walls[name].append(time.perf_counter() - begin)
@@ -129,7 +129,7 @@ def main() -> None:
     print(f"GA of {task.generations} generations, {task.evaluations} networks of {len(task.data.rate)} points")
     print(f"{'':14s} {'median s':>9s} {'ratio':>7s} {'median MSE':>11s} {'least MSE':>10s}")
     for name in PEERS:
-        if name not in found:
+        if name not in installed:
             print(f"{name:14s} not installed (pip install 'charge-pipeline[bench]')")
             continue
         wall, error = statistics.median(walls[name]), errors[name]

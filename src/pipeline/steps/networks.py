@@ -101,7 +101,7 @@ def printed_rows() -> list[Printed]:
 
 
 def printed_temperatures() -> set[float]:
-    """Return the temperatures that can be read in the paper's Table II, also of rows that cannot be read whole [degC]."""
+    """Return the temperatures legible in the paper's Table II, also of rows that are not as a whole [degC]."""
     return {float(row["temperature_c"]) for row in _csv("nicd_table2") if row["temperature_c"]}
 
 
