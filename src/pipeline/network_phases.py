@@ -30,7 +30,7 @@ def network(study: Study) -> Iterator[Draft]:
         "surface",
         _data(study.network),
         sections=("network.data",),
-        shown=_shown("surface", ("surface", "agreement", "quantities")),
+        shown=_shown("surface", ("surface", "printed", "quantities")),
     )
     own = plain(study.network)
     files = ("networks", "selections", "trials", "history", "response", "learning", "quantities")

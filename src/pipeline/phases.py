@@ -9,6 +9,7 @@ from pipeline.charge.comparison import compared
 from pipeline.charge.records import Mode
 from pipeline.config.study import Study
 from pipeline.draft import Draft, needed, plain, with_found
+from pipeline.network_phases import STEPS as NETWORK_STEPS
 from pipeline.network_phases import network
 from pipeline.planfile import command
 from pipeline.published.records import needs
@@ -249,6 +250,7 @@ def _named(records: Mapping[str, Record]) -> list[dict[str, Any]]:
 
 _SHOWN = frozenset(
     {"panel", "supply", "chaos", "objective", "tuning", "search", "charge", "trade_off", "verdicts", "figures"}
+    | set(NETWORK_STEPS)
 )
 
 

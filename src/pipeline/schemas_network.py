@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from pipeline.schemas import QUANTITIES
 from pipeline.tables import Column, Table
 
 _TEMPERATURE = Column("temperature_c", "degC", "temperature of the battery")
@@ -110,3 +111,20 @@ KERNELS = Table(
     "Error of the genetic algorithm's networks under every kernel on every surface, a row per replicate",
     (_SURFACE, Column("kernel", "", "name of the kernel", "text"), *_WIDTHS, _REPLICATE, _MSE),
 )
+ARTEFACTS: dict[tuple[str, str], tuple[str, Table]] = {
+    ("surface", "surface"): ("surface.parquet", SURFACE),
+    ("surface", "printed"): ("printed.parquet", SURFACE_AGREEMENT),
+    ("network", "networks"): ("networks.parquet", NETWORKS),
+    ("network", "selections"): ("selections.parquet", SELECTIONS),
+    ("network", "trials"): ("trials.parquet", TRIALS),
+    ("network", "course"): ("history.parquet", HISTORY),
+    ("network", "response"): ("response.parquet", RESPONSE),
+    ("network", "learning"): ("learning.parquet", LEARNING),
+    ("network_size", "sizes"): ("sizes.parquet", SIZES),
+    ("network_kernels", "kernels"): ("kernels.parquet", KERNELS),
+    **{
+        (step, "quantities"): ("quantities.parquet", QUANTITIES)
+        for step in ("surface", "network", "network_size", "network_kernels")
+    },
+}
+"""(step, table) -> file in its artefact, and its declaration."""

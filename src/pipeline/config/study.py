@@ -26,6 +26,7 @@ from pipeline.objective.records import ReflexFrequency
 from pipeline.panel.records import Panel, PanelCurveSettings, Weather
 from pipeline.published import checks as published_checks
 from pipeline.published.names import found_quantities
+from pipeline.published.network_names import network_quantities
 from pipeline.published.records import Statement
 from pipeline.record import Record
 from pipeline.report.records import FigureCard
@@ -240,6 +241,7 @@ def _makeable(study: Study) -> set[str]:
     supplied = {"panel", "supply"} if study.panel is not None else set()
     charges = {f"charge/{comparison}/{mode}" for comparison in study.comparisons for mode in options("modes")}
     supplied |= {name for name in ("chaos", "objective", "trade_off") if getattr(study, name) is not None}
+    supplied |= set(network_quantities(study.network)) if study.network is not None else set()
     supplied |= set(searching.found_values(study)) | ({"tuning"} if study.design is not None else set())
     return supplied | charges | {f"reference/{path.stem}" for path in reference_tables()}
 
@@ -252,7 +254,7 @@ def _numbers(study: Study) -> dict[str, set[str]]:
     # Statements on the swarm are not checkable under another algorithm, which is no mistake in them.
     if study.search is not None and study.search.kind != "swarm":
         del numbers["search"]
-    return numbers
+    return numbers | ({} if study.network is None else network_quantities(study.network))
 
 
 @contextmanager

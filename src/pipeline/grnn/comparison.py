@@ -13,7 +13,7 @@ from pipeline.grnn.error import Form
 from pipeline.grnn.kernels import KERNELS
 from pipeline.grnn.records import FormSettings, Kernel, KernelStudy, Method, SelectionSettings, SizeStudy
 from pipeline.grnn.selection import genetic, greedy
-from pipeline.grnn.selection.methods import SELECT, Task, Trial, best_widths, trials
+from pipeline.grnn.selection.methods import SELECT, Task, Trial, trials
 from pipeline.grnn.selection.problem import Selected
 from pipeline.search.genetic import Course, GeneticSettings
 from pipeline.search.streams import generators
@@ -48,8 +48,8 @@ def compare(form: FormSettings, settings: SelectionSettings, data: Data, seed: i
     results: dict[Method, Result] = {}
     course: Course | None = None
     for method in settings.methods:
-        found = trials(method, task, form.widths, seed)
-        chosen = best_widths(found)
+        found = trials(method, task, form.widths, settings.generations, seed)
+        chosen = found[0].widths
         if method == "genetic":
             course = genetic.follow(task.problem(chosen, settings.long_generations), random)
             selected = after(course, settings.generations)
@@ -89,7 +89,7 @@ def sizes(form: FormSettings, settings: GeneticSettings, study: SizeStudy, data:
     forward = _forward(largest, form)
     for centres in range(study.smallest, study.largest + 1):
         task = largest._replace(centres=centres)
-        chosen = best_widths(trials("genetic", task, form.widths, seed))
+        chosen = trials("genetic", task, form.widths, study.generations, seed)[0].widths
         selected = genetic.select(task.problem(chosen, study.generations), generators(seed, 0, study.replicates))
         yield Size(centres, chosen, selected.error, float(forward[centres - 1]))
 
@@ -118,6 +118,6 @@ def varieties(
     for name, data in surfaces.items():
         for kernel in KERNELS:
             task = task_of(data, form, settings)._replace(kernel=kernel)
-            chosen = best_widths(trials("genetic", task, form.widths, seed))
+            chosen = trials("genetic", task, form.widths, study.generations, seed)[0].widths
             selected = genetic.select(task.problem(chosen, study.generations), generators(seed, 0, study.replicates))
             yield Variety(name, kernel, chosen, selected.error)

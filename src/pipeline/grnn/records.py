@@ -14,6 +14,8 @@ Kernel = Literal["gaussian", "wendland", "extendable"]
 GradientUnit = Literal["k_min", "k_s"]
 Positive = Annotated[float, Field(gt=0)]
 SurfaceName = Literal["plateau_steps", "plateau_ramp", "sigmoid", "takagi_sugeno"]
+LONG = "genetic_long"
+"""Name of the network that the genetic algorithm ends with beyond the generations that are used."""
 Method = Literal["genetic", "exchange", "random_best", "greedy", "least_squares", "medoids", "random", "regular"]
 
 
@@ -91,12 +93,13 @@ class Surfaces(Record):
 
 
 class Widths(Record):
-    """Every pair of these widths is tried with each method; the one with the least mean error is taken."""
+    """Every pair of these widths is tried with each method, the best once more for longer; the best is taken."""
 
     temperature: tuple[Positive, ...] = Field(min_length=1, description="over the scaled temperature [1]")
     gradient: tuple[Positive, ...] = Field(min_length=1, description="over the scaled gradient [1]")
     trial_replicates: int = Field(ge=1, description="selections that a pair is judged by [1]")
     trial_generations: int = Field(ge=1, description="generations whose evaluations each of them has [1]")
+    finalists: int = Field(ge=1, description="best pairs that are tried again with all evaluations [1]")
 
     def pairs(self) -> list[tuple[float, float]]:
         """Return all pairs."""

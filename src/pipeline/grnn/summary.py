@@ -82,6 +82,9 @@ def of_networks(
         Quantity("nodes_of_anfis", float(nodes(sets)), "1", "nodes of the neuro-fuzzy system, as MATLAB counts them"),
         Quantity("rules_of_anfis", float(sets[0] * sets[1]), "1", "its rules"),
         Quantity("population", float(settings.genetic.population), "1", "strings of a generation"),
+        Quantity("crossover", settings.genetic.crossover, "1", "chance that a child has two parents"),
+        Quantity("mutation", settings.genetic.mutation, "1", "chance that a gene is drawn anew"),
+        Quantity("elite", float(settings.genetic.elite), "1", "best strings that go on unchanged"),
         Quantity("generations", float(settings.generations), "1", "generations behind the network that is used"),
         Quantity("long_generations", float(settings.long_generations), "1", "generations that are followed in all"),
     ]
@@ -91,10 +94,9 @@ def of_networks(
     used = found.results["genetic"].form
     task = Task(data, used.kernel, used.extension, form.centres, settings.genetic)
     if "least_squares" in found.results:
-        widths = found.results["least_squares"].form.widths
-        left = least_squares(task.problem(widths, 1)).error[-1]
-        says = "error of orthogonal least squares' own network, with linear output weights"
-        quantities.append(Quantity("least_squares_linear_mse", float(left), _MSE, says))
+        left = min(float(least_squares(task.problem(pair, 1)).error[-1]) for pair in form.widths.pairs())
+        says = "error of orthogonal least squares' own network, with a constant and linear output weights"
+        quantities.append(Quantity("least_squares_linear_mse", left, _MSE, says))
     quantities += [
         Quantity("anfis_mse", float(np.min(learning.error)), _MSE, "error of the neuro-fuzzy system"),
         Quantity("uncovered_share", uncovered(data, found.results["genetic"]), "1", "share of the data no support of "

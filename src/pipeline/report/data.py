@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from pipeline import schemas, schemas_trade_off, tables
+from pipeline import schemas, schemas_network, schemas_trade_off, tables
 
 Columns = dict[str, NDArray[Any]]
 
@@ -37,6 +37,7 @@ FILES: dict[str, tuple[str, tables.Table]] = {
     "trade_off": ("trade_off.parquet", schemas_trade_off.TRADE_OFF),
     "statistics": ("statistics.parquet", schemas.SEARCH_STATISTICS),
     "comparison": ("comparison.parquet", schemas.SEARCH_COMPARISON),
+    **{table: found for (_, table), found in schemas_network.ARTEFACTS.items()},
 }
 """Table name -> file inside its input's folder, and its declaration."""
 

@@ -9,13 +9,14 @@ from typing import Any
 import numpy as np
 
 from pipeline import quantity, schemas, schemas_network, tables
+from pipeline.draft import plain
 from pipeline.grnn import anfis
 from pipeline.grnn.charger_network import charger_network
 from pipeline.grnn.comparison import Comparison, after, compare
 from pipeline.grnn.data import Data
 from pipeline.grnn.error import network_of
 from pipeline.grnn.network import Network, responses
-from pipeline.grnn.records import AnfisSettings, FormSettings, SelectionSettings
+from pipeline.grnn.records import LONG, AnfisSettings, FormSettings, SelectionSettings
 from pipeline.grnn.summary import of_networks
 from pipeline.search.genetic import Course
 from pipeline.steps import found as found_values
@@ -32,6 +33,8 @@ def run(settings: Mapping[str, Any], inputs: Mapping[str, Path], output: Path) -
     best = _best(selection, data, found)
     numbers = of_networks(form, selection, data, found, learning, networks.printed_mse(), seed)
     tables.write(schemas_network.NETWORKS, networks.columns(best), output / "networks.parquet")
+    found_networks = {name: plain(charger_network(network)) for name, (network, _) in best.items()}
+    found_values.write(found_networks, output)
     tables.write(schemas_network.SELECTIONS, _selections(found), output / "selections.parquet")
     tables.write(schemas_network.TRIALS, _trials(found), output / "trials.parquet")
     tables.write(schemas_network.HISTORY, _history(found.course), output / "history.parquet")
@@ -40,7 +43,6 @@ def run(settings: Mapping[str, Any], inputs: Mapping[str, Path], output: Path) -
     epochs = {"epoch": np.arange(1, len(learning.error) + 1), "mse": learning.error}
     tables.write(schemas_network.LEARNING, epochs, output / "learning.parquet")
     tables.write(schemas.QUANTITIES, quantity.columns(numbers), output / "quantities.parquet")
-    found_values.write({name: charger_network(one).model_dump(mode="json") for name, (one, _) in best.items()}, output)
 
 
 def _best(
@@ -48,7 +50,7 @@ def _best(
 ) -> dict[str, tuple[Network, np.ndarray[Any, Any]]]:
     """Return the best network of each method, its centres in the order of the data."""
     chosen = {str(name): (result.form, result.selected) for name, result in found.results.items()}
-    chosen["genetic_long"] = (found.results["genetic"].form, after(found.course, selection.long_generations))
+    chosen[LONG] = (found.results["genetic"].form, after(found.course, selection.long_generations))
     rows = {name: np.sort(selected.best()) for name, (_, selected) in chosen.items()}
     return {name: (network_of(data, form, rows[name]), rows[name]) for name, (form, _) in chosen.items()}
 

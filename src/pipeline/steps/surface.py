@@ -27,7 +27,7 @@ def run(settings: Mapping[str, Any], inputs: Mapping[str, Path], output: Path) -
     found = agreements(chosen, networks.printed_rows())
     everything = {networks.LEARNT: learnt, **surfaces}
     tables.write(schemas_network.SURFACE, _points(everything), output / "surface.parquet")
-    tables.write(schemas_network.SURFACE_AGREEMENT, _agreements(found), output / "agreement.parquet")
+    tables.write(schemas_network.SURFACE_AGREEMENT, _agreements(found), output / "printed.parquet")
     numbers = of_surfaces(learnt, surfaces, found, name)
     tables.write(schemas.QUANTITIES, quantity.columns(numbers), output / "quantities.parquet")
 

@@ -1,7 +1,7 @@
 """Orthogonal least squares (Chen, Cowan, Grant, IEEE Trans. Neural Netw. 2 (1991) 302, DOI 10.1109/72.80341).
 
-It selects the centres of a radial basis function network with linear output weights, by the share of the output's
-energy that each regressor explains beyond those before it. Here its centres serve the regression network.
+It selects the centres of a radial basis function network with linear output weights and a constant, by the share of the
+output's energy that each regressor explains beyond those before it. Here its centres serve the regression network.
 """
 
 from __future__ import annotations
@@ -41,10 +41,10 @@ def least_squares(problem: Problem) -> Orthogonal:
 def orthogonal(regressors: Array, wanted: Array, count: int) -> Orthogonal:
     """Choose columns of `regressors`, shape (m, k), that explain `wanted`, shape (m,), one after the other.
 
-    Where every column left is a sum of those chosen, the first of them are taken.
+    The constant is there from the start. Where every column left is a sum of those chosen, the first are taken.
     """
-    left, rest = np.array(regressors), np.array(wanted, dtype=float)
-    energy = np.sum(left**2, axis=0)
+    energy = np.sum(regressors**2, axis=0)
+    left, rest = regressors - np.mean(regressors, axis=0), wanted - np.mean(wanted)
     rows, error = np.empty(count, dtype=np.int64), np.empty(count)
     free = np.ones(left.shape[1], dtype=np.bool_)
     for place in range(count):

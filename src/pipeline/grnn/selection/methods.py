@@ -27,7 +27,10 @@ SELECT: dict[Method, Callable[[Problem, Generators], Selected]] = {
 }
 
 # Streams of the widths' trials lie far from those of the replicates: no selection is judged by its own trial.
-FIRST_TRIAL = 1_000_000
+FIRST_TRIAL, FIRST_FINAL = 1_000_000, 2_000_000
+# A method that evaluates one network varies more and costs less: its trials have more replicates.
+SINGLE: frozenset[Method] = frozenset({"least_squares", "medoids", "random", "regular"})
+_MORE = 10
 
 
 class Task(NamedTuple):
@@ -52,17 +55,23 @@ class Trial(NamedTuple):
     error: float
 
 
-def trials(method: Method, task: Task, widths: Widths, seed: int) -> list[Trial]:
-    """Try every pair of widths with a method, each with the same random streams."""
-    found = []
-    for pair in widths.pairs():
-        chosen = SELECT[method](
-            task.problem(pair, widths.trial_generations), generators(seed, FIRST_TRIAL, widths.trial_replicates)
-        )
-        found.append(Trial(pair, float(np.mean(chosen.error))))
-    return found
+def trials(method: Method, task: Task, widths: Widths, generations: int, seed: int) -> list[Trial]:
+    """Try every pair of widths with a method, and the best of them once more with all generations' evaluations.
 
+    All pairs see the same random streams.
 
-def best_widths(found: list[Trial]) -> tuple[float, float]:
-    """Return the widths of the least mean error; the first of several."""
-    return min(found, key=lambda trial: trial.error).widths
+    Returns
+    -------
+    The pairs, those that were tried again first and with that error.
+    """
+    count = widths.trial_replicates * (_MORE if method in SINGLE else 1)
+
+    def tried(pair: tuple[float, float], budget: int, first: int) -> Trial:
+        chosen = SELECT[method](task.problem(pair, budget), generators(seed, first, count))
+        return Trial(pair, float(np.mean(chosen.error)))
+
+    found = sorted(
+        (tried(pair, widths.trial_generations, FIRST_TRIAL) for pair in widths.pairs()), key=lambda one: one.error
+    )
+    again = [tried(one.widths, generations, FIRST_FINAL) for one in found[: widths.finalists]]
+    return sorted(again, key=lambda one: one.error) + found[widths.finalists :]
