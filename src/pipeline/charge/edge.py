@@ -25,9 +25,9 @@ from pipeline.charge.segment import (
     clear_at_start,
     commit,
     continue_moment,
-    guard_at,
+    guard_at_start,
 )
-from pipeline.charge.state import DEPTH, START, TEMPERATURE, Run
+from pipeline.charge.state import DEPTH, TEMPERATURE, Run
 from pipeline.charge.watching import NO_PEAK, look_at_start, peak_until, renew_peak
 from pipeline.jit import kernel
 
@@ -122,7 +122,7 @@ def run_edge(
                             renew_peak(run, demand.current_a)
                             look_at_start(cell, run, ambient_k)
                         if not clear_at_start(run, limits):
-                            gap, what = guard_at(cell, run, demand, limits, START)
+                            gap, what = guard_at_start(cell, run, demand, limits)
                             if gap <= 0.0 and 0 <= what <= EDGE:
                                 reason = what
                                 break

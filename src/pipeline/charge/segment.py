@@ -143,8 +143,8 @@ def guard_at(cell: Cell, run: Run, demand: Demand, limits: NDArray[np.float64], 
 
     Arguments
     ---------
-    limits : SOC as 1 - SOC, voltage, current, temperature of the phase, the same of the stop, then the stage's edge;
-        drop of voltage and rate of temperature follow as `WATCHED` says.
+    limits : SOC as 1 - SOC, voltage, current, temperature of the phase, the same of the stop, then the stage's edge.
+        What is watched beside these is not looked at here.
     """
     at, control = run.at, run.control
     total, terminal = at[TOTAL, j], at[TERMINAL_V, j]
@@ -164,12 +164,6 @@ def guard_at(cell: Cell, run: Run, demand: Demand, limits: NDArray[np.float64], 
             least, what = gap, LIMITS * of + WARM
     if at[X, j] - limits[STAGE_EDGE] < least:
         least, what = at[X, j] - limits[STAGE_EDGE], EDGE
-    if limits[WATCHED] > 0.0:
-        for of in range(2):
-            drop, rate = limits[FIRST_WATCHED + 2 * of], limits[FIRST_WATCHED + 2 * of + 1]
-            gap, falls = watched_guard(cell, run, demand.charging, drop, rate, j)
-            if gap < least:
-                least, what = gap, LIMITS * of + (DROP if falls else RATE)
     if demand.charging:
         if control != CURRENT_CONTROL:
             gap = demand.current_a * (1.0 + _CHATTER) - total
@@ -238,6 +232,34 @@ def guard(cell: Cell, run: Run, demand: Demand, limits: NDArray[np.float64]) -> 
         gap, kind = guard_at(cell, run, demand, limits, j)
         if gap < least:
             least, what = gap, kind
+    if limits[WATCHED] > 0.0:
+        for j in range(3):
+            gap, kind = watched_guard_at(cell, run, demand.charging, limits, j)
+            if gap < least:
+                least, what = gap, kind
+    return least, what
+
+
+@kernel
+def guard_at_start(cell: Cell, run: Run, demand: Demand, limits: NDArray[np.float64]) -> tuple[float, int]:
+    """Return the nearest guard at the start of a step."""
+    least, what = guard_at(cell, run, demand, limits, START)
+    if limits[WATCHED] > 0.0:
+        gap, kind = watched_guard_at(cell, run, demand.charging, limits, START)
+        if gap < least:
+            least, what = gap, kind
+    return least, what
+
+
+@kernel
+def watched_guard_at(cell: Cell, run: Run, charging: bool, limits: NDArray[np.float64], j: int) -> tuple[float, int]:
+    """Return how far moment j is from the nearest stop that is watched for, of the phase and of the charge."""
+    least, what = _NEVER, NOTHING
+    for of in range(2):
+        drop, rate = limits[FIRST_WATCHED + 2 * of], limits[FIRST_WATCHED + 2 * of + 1]
+        gap, falls = watched_guard(cell, run, charging, drop, rate, j)
+        if gap < least:
+            least, what = gap, LIMITS * of + (DROP if falls else RATE)
     return least, what
 
 
@@ -294,7 +316,7 @@ def locate(
     in `run`. Bisection by ratio where the secant does not close in.
     """
     low, high = 0.0, length_s
-    above, _ = guard_at(cell, run, demand, limits, START)
+    above, _ = guard_at_start(cell, run, demand, limits)
     above = max(above, 1e-300)
     below, what = guard(cell, run, demand, limits)
     trial, side = length_s, 0
