@@ -9,7 +9,8 @@ from pipeline.grnn.records import Kernel, NetworkStudy, Surfaces
 _SURFACE = "points temperatures gradients gradient_seconds legible_rows consistent_surfaces learnt_consistent"
 _OF_A_SURFACE = ("variance", "rows_consistent", "largest_deviation", "consistent")
 _NETWORK = (
-    "points centres units units_of_all_data nodes_of_anfis rules_of_anfis population crossover mutation elite generations long_generations "
+    "points centres units units_of_all_data nodes_of_anfis rules_of_anfis population crossover mutation elite "
+    "generations long_generations "
     "genetic_population_mean genetic_mse_long genetic_mse_median_long genetic_population_mean_long "
     "least_squares_linear_mse anfis_mse uncovered_share"
 )

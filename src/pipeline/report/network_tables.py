@@ -83,8 +83,8 @@ def table_2(data: ReportData, printed: Path) -> ReportTable:
     return ReportTable(
         "nicd_table_2",
         "The data points that become centres",
-        "An empty cell of the printed table cannot be read in its scan. Ours come from a surface that stands in for the "
-        f"lost data, with dT/dt in {gradient_unit(data)}.",
+        "An empty cell of the printed table cannot be read in its scan. Ours come from a surface that stands in for "
+        f"the lost data, with dT/dt in {gradient_unit(data)}.",
         ("table", "No.", "T / °C", f"dT/dt / {gradient_unit(data)}", "rate / C", "row of the data"),
         tuple(rows),
         paper="Table II",
@@ -101,7 +101,7 @@ def table_3(data: ReportData, printed: Path) -> ReportTable:
     """
     found = data.numbers("network")
     units, error = found["units"], found.get
-    ours = {
+    ours: dict[str, list[tuple[Cell, ...]]] = {
         "ANFIS": [("ANFIS", found["nodes_of_anfis"], error("anfis_mse"), None)],
         "GRNN": [
             (f"GRNN, {words} points", units, error(f"{name}_mse"), error(f"{name}_mse_median"))
@@ -114,7 +114,7 @@ def table_3(data: ReportData, printed: Path) -> ReportTable:
     with printed.open(encoding="utf-8", newline="") as file:
         for row in csv.DictReader(file):
             theirs = (int(row["layers"]), int(row["nodes"]), float(row["mse"]))
-            rows += [(row["network"], *theirs, *map(plain, one)) for one in ours[row["network"]]]
+            rows += [(row["network"], *theirs, *one) for one in ours[row["network"]]]
     return ReportTable(
         "nicd_table_3",
         "Neuro-fuzzy system, GRNN and GA-trained GRNN",
@@ -149,8 +149,8 @@ def selections(data: ReportData) -> ReportTable:
     return ReportTable(
         "network_selections",
         "Ways to select the centres",
-        "Each at the widths that suit it. A: the chance that the genetic algorithm's error is the larger one (Vargha and "
-        "Delaney), with its 95 % interval; below 0.5 the genetic algorithm is better.",
+        "Each at the widths that suit it. A: the chance that the genetic algorithm's error is the larger one (Vargha "
+        "and Delaney), with its 95 % interval; below 0.5 the genetic algorithm is better.",
         (
             "selection",
             f"least {_ERROR}",
@@ -164,7 +164,7 @@ def selections(data: ReportData) -> ReportTable:
             "A",
             "low",
             "high",
-        ),  # fmt: skip
+        ),
         tuple(rows),
     )
 
