@@ -22,11 +22,12 @@ from pipeline.charge.segment import (
     Demand,
     advance,
     choose_control,
+    clear_at_start,
     commit,
     continue_moment,
-    guard_at,
+    guard_at_start,
 )
-from pipeline.charge.state import DEPTH, START, TEMPERATURE, Run
+from pipeline.charge.state import DEPTH, TEMPERATURE, Run
 from pipeline.charge.watching import NO_PEAK, look_at_start, peak_until, renew_peak
 from pipeline.jit import kernel
 
@@ -120,10 +121,11 @@ def run_edge(
                         if watched:
                             renew_peak(run, demand.current_a)
                             look_at_start(cell, run, ambient_k)
-                        gap, what = guard_at(cell, run, demand, limits, START)
-                        if gap <= 0.0 and 0 <= what <= EDGE:
-                            reason = what
-                            break
+                        if not clear_at_start(run, limits):
+                            gap, what = guard_at_start(cell, run, demand, limits)
+                            if gap <= 0.0 and 0 <= what <= EDGE:
+                                reason = what
+                                break
                         proposal_s = proposals[segment, run.control]
                         if proposal_s == math.inf:
                             proposal_s = min(length_s, maximum_step_s if length_s < math.inf else _FIRST_STEP_S)
@@ -148,7 +150,7 @@ def run_edge(
                     note_marks(cell, run, book, time_s, taken_s)
                     if len(book.windows) > 0:
                         write_windows(cell, run, book, time_s, taken_s, length_s)
-                    add_step(run, book, taken_s)
+                    add_step(cell, run, book, taken_s)
                     if watched:
                         run.peak_v = peak_until(run, 2)
                     commit(run)
@@ -158,10 +160,11 @@ def run_edge(
                             proposals[segment, run.control] = dyadic(min(better, length_s), length_s)
                     first = False
                     wish_s = max(taken_s, min(proposal_s, 4.0 * taken_s)) * factor if what == NOTHING else proposal_s
-                    proposal_s = min(maximum_step_s, dyadic(wish_s, length_s))
                     remaining_s -= taken_s
                     if remaining_s <= 1e-12 * length_s and length_s < math.inf:
                         remaining_s = 0.0
+                    # To the end of the segment where that is near enough: the same length in every period.
+                    proposal_s = min(maximum_step_s, wish_s if wish_s >= remaining_s else dyadic(wish_s, length_s))
                     time_s = segment_start_s + (length_s - remaining_s) if length_s < math.inf else time_s + taken_s
                     if what >= TO_CURRENT:
                         run.changes += 1

@@ -11,7 +11,8 @@ from numpy.typing import NDArray
 from pipeline.cell.circuit import Cell
 from pipeline.cell.relaxation import MOST_SLOTS, fill
 from pipeline.charge.error import step_error
-from pipeline.charge.moment import finish_moment, solve_start
+from pipeline.charge.lanes import put
+from pipeline.charge.moment import finish_moment, place_start, solve_start
 from pipeline.charge.state import (
     CURRENT_CONTROL,
     DEPTH,
@@ -45,6 +46,8 @@ STAGE_EDGE, WATCHED, FIRST_WATCHED, PLACES = 8, 9, 10, 14
 _NEVER = 1e300
 _CHATTER = 1e-9
 _ROUNDING = 1e-13
+# Error below which the next step may be four times as long.
+_EASY = 0.2**4
 
 
 class Demand(NamedTuple):
@@ -91,10 +94,7 @@ def _rounded_off(cell: Cell, run: Run, control: int, target: float) -> bool:
 
     Near full the main current is the difference of two currents a billion times its size: its last digits are noise.
     """
-    relaxed = 0.0
-    for k in range(cell.pairs + cell.acceptance):
-        relaxed += run.state[RELAXATIONS + k]
-    residual, _ = finish_moment(cell, run, START, relaxed, control, target)
+    residual, _ = finish_moment(cell, run, START, run.relaxed_v, control, target)
     return bool(abs(residual) <= 1e-12 * abs(target))
 
 
@@ -105,6 +105,7 @@ def choose_control(cell: Cell, run: Run, demand: Demand) -> bool:
     run.control = CURRENT_CONTROL
     if cell.acceptance == 1:
         state[RELAXATIONS + cell.pairs] = max(0.0, state[RELAXATIONS + cell.pairs])
+    place_start(cell, run)
     if not solve_moment(cell, run, CURRENT_CONTROL, demand.current_a, demand.current_a):
         return False
     if demand.charging:
@@ -132,6 +133,7 @@ def continue_moment(cell: Cell, run: Run, demand: Demand) -> bool:
     """Solve the start of the next step under the control of the last one; False where the circuit fails."""
     # The step's own end is the better guess: where next to nothing is accepted, the start's balance is all rounding.
     run.guess_a = run.at[MAIN, 2]
+    place_start(cell, run)
     return solve_moment(cell, run, run.control, target_of(cell, demand, run.control), run.guess_a)
 
 
@@ -141,8 +143,8 @@ def guard_at(cell: Cell, run: Run, demand: Demand, limits: NDArray[np.float64], 
 
     Arguments
     ---------
-    limits : SOC as 1 - SOC, voltage, current, temperature of the phase, the same of the stop, then the stage's edge;
-        drop of voltage and rate of temperature follow as `WATCHED` says.
+    limits : SOC as 1 - SOC, voltage, current, temperature of the phase, the same of the stop, then the stage's edge.
+        What is watched beside these is not looked at here.
     """
     at, control = run.at, run.control
     total, terminal = at[TOTAL, j], at[TERMINAL_V, j]
@@ -162,12 +164,6 @@ def guard_at(cell: Cell, run: Run, demand: Demand, limits: NDArray[np.float64], 
             least, what = gap, LIMITS * of + WARM
     if at[X, j] - limits[STAGE_EDGE] < least:
         least, what = at[X, j] - limits[STAGE_EDGE], EDGE
-    if limits[WATCHED] > 0.0:
-        for of in range(2):
-            drop, rate = limits[FIRST_WATCHED + 2 * of], limits[FIRST_WATCHED + 2 * of + 1]
-            gap, falls = watched_guard(cell, run, demand.charging, drop, rate, j)
-            if gap < least:
-                least, what = gap, LIMITS * of + (DROP if falls else RATE)
     if demand.charging:
         if control != CURRENT_CONTROL:
             gap = demand.current_a * (1.0 + _CHATTER) - total
@@ -188,6 +184,19 @@ def guard_at(cell: Cell, run: Run, demand: Demand, limits: NDArray[np.float64], 
         elif run.value[cell.pairs, j] < least:
             least, what = run.value[cell.pairs, j], TO_BYPASS
     return least, what
+
+
+@inlined
+def clear_at_start(run: Run, limits: NDArray[np.float64]) -> bool:
+    """Tell whether nothing that ends a phase holds at the start: one look in place of twelve."""
+    x, v, t = run.at[X, START], run.at[TERMINAL_V, START], run.at[T, START]
+    return bool(
+        run.control == CURRENT_CONTROL
+        and limits[WATCHED] == 0.0
+        and v < min(limits[1], limits[5]) * (1.0 - _ROUNDING)
+        and x > max(limits[0], max(limits[4], limits[STAGE_EDGE]))
+        and t < min(limits[3], limits[7])
+    )
 
 
 @inlined
@@ -223,6 +232,34 @@ def guard(cell: Cell, run: Run, demand: Demand, limits: NDArray[np.float64]) -> 
         gap, kind = guard_at(cell, run, demand, limits, j)
         if gap < least:
             least, what = gap, kind
+    if limits[WATCHED] > 0.0:
+        for j in range(3):
+            gap, kind = watched_guard_at(cell, run, demand.charging, limits, j)
+            if gap < least:
+                least, what = gap, kind
+    return least, what
+
+
+@kernel
+def guard_at_start(cell: Cell, run: Run, demand: Demand, limits: NDArray[np.float64]) -> tuple[float, int]:
+    """Return the nearest guard at the start of a step."""
+    least, what = guard_at(cell, run, demand, limits, START)
+    if limits[WATCHED] > 0.0:
+        gap, kind = watched_guard_at(cell, run, demand.charging, limits, START)
+        if gap < least:
+            least, what = gap, kind
+    return least, what
+
+
+@kernel
+def watched_guard_at(cell: Cell, run: Run, charging: bool, limits: NDArray[np.float64], j: int) -> tuple[float, int]:
+    """Return how far moment j is from the nearest stop that is watched for, of the phase and of the charge."""
+    least, what = _NEVER, NOTHING
+    for of in range(2):
+        drop, rate = limits[FIRST_WATCHED + 2 * of], limits[FIRST_WATCHED + 2 * of + 1]
+        gap, falls = watched_guard(cell, run, charging, drop, rate, j)
+        if gap < least:
+            least, what = gap, LIMITS * of + (DROP if falls else RATE)
     return least, what
 
 
@@ -238,11 +275,10 @@ def try_step(cell: Cell, run: Run, demand: Demand, ambient_k: float, length_s: f
 @inlined
 def set_guess(cell: Cell, run: Run, length_s: float) -> None:
     """Guess that nothing changes over the step, nor that more is charged than there is room for."""
-    at = run.at
-    room = 0.5 * run.state[DEPTH] * cell.charge_as / length_s
-    for j in range(3):
-        at[MAIN, j] = min(run.guess_a, room)
-        at[T, j] = at[T, START]
+    main, t = run.at[MAIN], run.at[T]
+    guess = min(run.guess_a, 0.5 * run.state[DEPTH] * cell.charge_as / length_s)
+    put(main, guess, guess, guess, main[START])
+    put(t, t[START], t[START], t[START], t[START])
 
 
 @inlined
@@ -250,11 +286,11 @@ def recall(run: Run, length_s: float) -> None:
     """Guess what the same step of the last period came to, if it was of this length and under this control."""
     if run.place >= MOST_REMEMBERED:
         return
-    last, at = run.memory[run.segment, run.place], run.at
-    if last[0] == length_s and last[1] == run.control:
-        for j in range(3):
-            at[MAIN, j] = last[2 + j]
-            at[T, j] = at[T, START] + last[5 + j]
+    last, main, t = run.memory[run.segment, run.place], run.at[MAIN], run.at[T]
+    if last[8] == length_s and last[9] == run.control:
+        start = t[START]
+        put(main, last[0], last[1], last[2], main[START])
+        put(t, start + last[4], start + last[5], start + last[6], start + last[7])
 
 
 @inlined
@@ -262,11 +298,11 @@ def remember(run: Run, length_s: float) -> None:
     """Keep what a step came to, for the same step of the next period."""
     if run.place >= MOST_REMEMBERED:
         return
-    last, at = run.memory[run.segment, run.place], run.at
-    last[0], last[1] = length_s, run.control
-    for j in range(3):
-        last[2 + j] = at[MAIN, j]
-        last[5 + j] = at[T, j] - at[T, START]
+    last, main, t = run.memory[run.segment, run.place], run.at[MAIN], run.at[T]
+    start = t[START]
+    put(last, main[0], main[1], main[2], main[3])
+    put(last[4:], t[0] - start, t[1] - start, t[2] - start, t[3] - start)
+    last[8], last[9] = length_s, run.control
     run.place += 1
 
 
@@ -280,7 +316,7 @@ def locate(
     in `run`. Bisection by ratio where the secant does not close in.
     """
     low, high = 0.0, length_s
-    above, _ = guard_at(cell, run, demand, limits, START)
+    above, _ = guard_at_start(cell, run, demand, limits)
     above = max(above, 1e-300)
     below, what = guard(cell, run, demand, limits)
     trial, side = length_s, 0
@@ -347,7 +383,7 @@ def advance(
             gap, what = guard(cell, run, demand, limits)
         if gap >= 0.0:
             remember(run, length_s)
-            return length_s, NOTHING, min(4.0, 0.8 / _fourth_root(error + 1e-12))
+            return length_s, NOTHING, 4.0 if error < _EASY else 0.8 / _fourth_root(error)
         found, what = locate(cell, run, demand, limits, ambient_k, length_s)
         if what == FAILED:
             length_s *= 0.25

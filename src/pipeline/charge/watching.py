@@ -4,8 +4,23 @@ from __future__ import annotations
 
 from pipeline.cell.circuit import Cell
 from pipeline.cell.relaxation import LAGRANGE
-from pipeline.charge.moment import node_heat
-from pipeline.charge.state import HEAT, RELAXATIONS, START, TERMINAL_V, Run, T
+from pipeline.charge.state import (
+    ENTROPY,
+    ETA,
+    HEAT,
+    HYSTERESIS_V,
+    MAIN,
+    NODE_V,
+    OHM,
+    RELAXATIONS,
+    SIDE,
+    SLOW_V,
+    START,
+    TERMINAL_V,
+    TOTAL,
+    Run,
+    T,
+)
 from pipeline.jit import kernel
 
 NO_PEAK = -1e300
@@ -21,11 +36,21 @@ def renew_peak(run: Run, current_a: float) -> None:
 
 @kernel
 def look_at_start(cell: Cell, run: Run, ambient_k: float) -> None:
-    """Put the net heat at the start of a step beside that at its nodes [W]."""
+    """Keep the net heat at the start of a step, whose circuit is solved; its nodes have theirs from the step."""
+    at, main = run.at, run.at[MAIN, START]
+    if cell.thermoneutral == 1:
+        heat = main * (at[SLOW_V, START] - cell.thermoneutral_v)
+    else:
+        heat = main * (at[T, START] * at[ENTROPY, START] + at[HYSTERESIS_V, START])
+    heat += at[OHM, START] * at[TOTAL, START] ** 2 + at[ETA, START] * main
+    heat += at[SIDE, START] * (at[NODE_V, START] - cell.gas_v)
+    for k in range(cell.pairs + cell.acceptance):
+        inverse = run.inverse[k, START]
+        drift = 0.5 * cell.tau_s[k] * cell.per_as * run.slope[k, START] * inverse * main
+        heat += run.state[RELAXATIONS + k] ** 2 * (1.0 - drift) * inverse
     if cell.recombination == 1:
-        run.value[cell.relaxations - 1, START] = run.state[RELAXATIONS + cell.relaxations - 1]
-    lost = (run.at[T, START] - ambient_k) / cell.thermal_resistance_k_w
-    run.at[HEAT, START] = node_heat(cell, run, START) - lost
+        heat += run.state[RELAXATIONS + cell.relaxations - 1] * cell.gas_v
+    run.start_heat_w = cell.cells * heat - (at[T, START] - ambient_k) / cell.thermal_resistance_k_w
 
 
 @kernel
@@ -55,7 +80,8 @@ def watched_guard(cell: Cell, run: Run, charging: bool, drop_v: float, rate_k_s:
     drop_v : how far the voltage of one cell may fall below its peak [V]; infinite where nobody asks.
     rate_k_s : how fast the battery may warm [K/s]; its heat over its heat capacity, nothing is differenced.
     """
-    warming = rate_k_s - run.at[HEAT, j] / cell.heat_capacity_j_k
+    heat_w = run.start_heat_w if j == START else run.at[HEAT, j]
+    warming = rate_k_s - heat_w / cell.heat_capacity_j_k
     if not charging:
         return warming, False
     falling = run.at[TERMINAL_V, j] - (peak_until(run, j) - drop_v)

@@ -254,6 +254,8 @@ def _numbers(study: Study) -> dict[str, set[str]]:
     # Statements on the swarm are not checkable under another algorithm, which is no mistake in them.
     if study.search is not None and study.search.kind != "swarm":
         del numbers["search"]
+    if study.trade_off is not None:
+        numbers["trade_off"] = study.trade_off.quantities()
     return numbers | ({} if study.network is None else network_quantities(study.network))
 
 
