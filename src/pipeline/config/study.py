@@ -241,7 +241,7 @@ def _makeable(study: Study) -> set[str]:
     supplied = {"panel", "supply"} if study.panel is not None else set()
     charges = {f"charge/{comparison}/{mode}" for comparison in study.comparisons for mode in options("modes")}
     supplied |= {name for name in ("chaos", "objective", "trade_off") if getattr(study, name) is not None}
-    supplied |= set(network_quantities(study.network)) if study.network is not None else set()
+    supplied |= set(network_quantities()) if study.network is not None else set()
     supplied |= set(searching.found_values(study)) | ({"tuning"} if study.design is not None else set())
     return supplied | charges | {f"reference/{path.stem}" for path in reference_tables()}
 
@@ -256,7 +256,7 @@ def _numbers(study: Study) -> dict[str, set[str]]:
         del numbers["search"]
     if study.trade_off is not None:
         numbers["trade_off"] = study.trade_off.quantities()
-    return numbers | ({} if study.network is None else network_quantities(study.network))
+    return numbers | ({} if study.network is None else network_quantities())
 
 
 @contextmanager
