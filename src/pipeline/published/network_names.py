@@ -35,7 +35,7 @@ def network_quantities() -> dict[str, set[str]]:
         "network": set(_NETWORK.split())
         | {f"{method}_{part}" for method in methods for part in _OF_A_METHOD}
         | {f"genetic_over_{method}{end}" for method in methods for end in ("", "_low", "_high")},
-        "network_size": {"smallest_size_at_printed", "best_size"}
+        "network_size": {"smallest_size_at_printed", "best_size", "forward_as_good_from"}
         | {f"size_{size}_{part}" for size in sizes for part in _OF_A_SIZE},
         "network_kernels": {
             f"{surface}_{kernel}_{part}" for surface in surfaces for kernel in kernels for part in ("mse", "mse_median")
