@@ -6,7 +6,7 @@ import math
 from collections.abc import Iterator, Sequence
 
 from pipeline.charge.trade_off import Row
-from pipeline.charge.trade_off_records import CONSTANT, OWN, TradeOff
+from pipeline.charge.trade_off_records import CONSTANT, ENDED, OWN, TradeOff
 from pipeline.quantity import Quantity
 
 
@@ -34,7 +34,14 @@ def quantities(rows: Sequence[Row], chosen: TradeOff) -> list[Quantity]:
                     found += _rivals(condition, row, constants)
     for sensor in chosen.sensors:
         found += _behind(rows, sensor, chosen)
-    return found
+    first = next(iter(chosen.conditions))
+    return found + [
+        Quantity(
+            ENDED.format(rate=row.c_rate, stop=row.stop), row.end_time_s, "s", f"end of the charge, {row.end_reason}"
+        )
+        for row in rows
+        if row.law == CONSTANT and row.condition == first
+    ]
 
 
 def _rivals(condition: str, network: Row, constants: Sequence[Row]) -> Iterator[Quantity]:

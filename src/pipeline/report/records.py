@@ -98,6 +98,7 @@ DRAWINGS: dict[str, type[Record]] = {
     "reflex_waveform": WaveformOptions,
     "search_effects": EffectOptions,
     "sensors": NoOptions,
+    "strings": NoOptions,
     "supply": NoOptions,
     "trade_off": NoOptions,
 }
