@@ -9,8 +9,8 @@ from collections.abc import Sequence
 from pipeline.published.operands import AtTime, Difference, Operand, Product, Ratio, Total, Value, values
 
 _UNITS = {
-    "s": "s", "k": "K", "c": "degC", "a": "A", "v": "V", "w": "W", "j": "J", "ah": "Ah", "wh": "Wh", "hz": "Hz", "k_s": "K/s",
-    "mw2_s": "mW2 s", "nats": "nat",
+    "s": "s", "k": "K", "c": "degC", "a": "A", "v": "V", "w": "W", "j": "J", "ah": "Ah", "wh": "Wh", "hz": "Hz",
+    "k_s": "K/s", "mw2_s": "mW2 s", "nats": "nat",
 }  # fmt: skip
 _UNIT_ENDING = re.compile(rf"_({'|'.join(_UNITS)})$")
 # Not watt but the inertia weight W, a factor of a parameter design.

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import itertools
+
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
@@ -71,7 +73,7 @@ def _points(axes: Axes, height: int, temperature: NDArray[np.float64], rate: NDA
     """Draw points at their temperatures; the few that share one stand side by side."""
     order = np.argsort(temperature, kind="stable")
     shift = np.zeros(len(order))
-    for before, after in zip(order[:-1], order[1:], strict=True):
+    for before, after in itertools.pairwise(order):
         if temperature[after] - temperature[before] < 1.0:
             shift[after] = shift[before] + 0.22
     axes.scatter(
