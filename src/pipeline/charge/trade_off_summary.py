@@ -9,6 +9,9 @@ from pipeline.charge.trade_off import Row
 from pipeline.charge.trade_off_records import CONSTANT, ENDED, OWN, TradeOff
 from pipeline.quantity import Quantity
 
+SAME_TIME = 1e-3
+"""Share of a charge time by which nobody would call a charge slower."""
+
 
 def quantities(rows: Sequence[Row], chosen: TradeOff) -> list[Quantity]:
     """Return the named numbers of a trade-off; those of a mode that was not charged are left out.
@@ -48,10 +51,10 @@ def _rivals(condition: str, network: Row, constants: Sequence[Row]) -> Iterator[
     """Yield the fastest constant current that gets no hotter than the network, and the coolest that is no slower."""
     no_hotter = [row for row in constants if row.peak_temperature_c <= network.peak_temperature_c]
     if no_hotter:
-        rival = min(no_hotter, key=lambda row: (row.time_to_full_s, row.peak_temperature_c))
+        rival = min(no_hotter, key=lambda row: (round(row.time_to_full_s, 3), row.peak_temperature_c))
         yield from _reached("rival", condition, rival)
         yield Quantity(f"rival_c_rate_{condition}", rival.c_rate, "1", f"its current; stopped by {rival.end_reason}")
-    no_slower = [row for row in constants if row.time_to_full_s <= network.time_to_full_s]
+    no_slower = [row for row in constants if row.time_to_full_s <= (1.0 + SAME_TIME) * network.time_to_full_s]
     if no_slower:
         coolest = min(no_slower, key=lambda row: (row.peak_temperature_c, row.time_to_full_s))
         yield from _reached("coolest", condition, coolest)

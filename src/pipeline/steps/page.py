@@ -15,6 +15,7 @@ from pipeline.report.pages import PageContent, PageFigure, Paper, render
 from pipeline.report.parameters import parameters
 from pipeline.report.search_tables import search_tables
 from pipeline.report.tables import ReportTable
+from pipeline.report.worth import worth
 from pipeline.steps.labels import report_data
 
 REFERENCE = PROJECT / "conf" / "published" / "reference"
@@ -53,6 +54,8 @@ def _tables(data: ReportData, inputs: Mapping[str, Path]) -> list[ReportTable]:
     shown = [report_tables.charges(data), report_tables.energy(data)]
     if "panel" in inputs:
         shown.insert(0, report_tables.table_1(data, REFERENCE / "solar_table1.csv"))
+    if "trade_off" in inputs:
+        shown.insert(0, worth(data))
     return shown + search_tables(data, REFERENCE) + network_tables(data, REFERENCE)
 
 
