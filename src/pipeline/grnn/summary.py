@@ -62,6 +62,7 @@ def of_networks(
     data: Data,
     found: Comparison,
     learning: Learning,
+    printed: Iterable[float],
     printed_mse: float,
     seed: int,
 ) -> list[Quantity]:
@@ -69,6 +70,7 @@ def of_networks(
 
     Arguments
     ---------
+    printed : temperatures that can be read in the paper's Table II [degC].
     printed_mse : the error the paper prints for the network [C-rate^2].
     seed : of the bootstrap's resamples.
     """
@@ -102,6 +104,12 @@ def of_networks(
         Quantity("uncovered_share", uncovered(data, found.results["genetic"]), "1", "share of the data no support of "
                  "the network would reach if it did not extend: 0/0 there"),
     ]  # fmt: skip
+    theirs = set(printed)
+    ours = set(data.inputs[found.results["genetic"].selected.best(), 0].tolist())
+    quantities += [
+        Quantity("printed_temperatures", float(len(theirs)), "1", "different temperatures legible in Table II"),
+        Quantity("printed_temperatures_selected", float(len(theirs & ours)), "1", "those that are centres here too"),
+    ]
     return quantities + _effects(found, seed)
 
 

@@ -12,7 +12,7 @@ _NETWORK = (
     "points centres units units_of_all_data nodes_of_anfis rules_of_anfis population crossover mutation elite "
     "generations long_generations "
     "genetic_population_mean genetic_mse_long genetic_mse_median_long genetic_population_mean_long "
-    "least_squares_linear_mse anfis_mse uncovered_share"
+    "least_squares_linear_mse anfis_mse uncovered_share printed_temperatures printed_temperatures_selected"
 )
 _OF_A_METHOD = (
     "mse", "mse_median", "mse_mean", "mse_worst", "share_at_printed", "evaluations", "replicates",

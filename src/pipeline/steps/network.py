@@ -31,7 +31,8 @@ def run(settings: Mapping[str, Any], inputs: Mapping[str, Path], output: Path) -
     found = compare(form, selection, data, seed)
     learning = anfis.learn(data, AnfisSettings.model_validate(settings["anfis"]))
     best = _best(selection, data, found)
-    numbers = of_networks(form, selection, data, found, learning, networks.printed_mse(), seed)
+    printed, mse = networks.printed_temperatures(), networks.printed_mse()
+    numbers = of_networks(form, selection, data, found, learning, printed, mse, seed)
     tables.write(schemas_network.NETWORKS, networks.columns(best), output / "networks.parquet")
     found_networks = {name: plain(charger_network(network)) for name, (network, _) in best.items()}
     found_values.write(found_networks, output)

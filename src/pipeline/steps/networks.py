@@ -100,6 +100,11 @@ def printed_rows() -> list[Printed]:
     return found
 
 
+def printed_temperatures() -> set[float]:
+    """Return the temperatures legible in the paper's Table II, also of rows that are not as a whole [degC]."""
+    return {float(row["temperature_c"]) for row in _csv("nicd_table2") if row["temperature_c"]}
+
+
 def printed_mse() -> float:
     """Return the error that the paper's Table III prints for its network [C-rate^2]."""
     return next(float(row["mse"]) for row in _csv("nicd_table3") if row["network"] == "GA-trained GRNN")
