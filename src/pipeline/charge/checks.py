@@ -99,7 +99,9 @@ def _check_until(where: str, until: Mapping[str, float], battery: Battery, setti
             raise UserError(f"{where}.{name}: {value:g}; it must be greater than 0")
     soc = until.get("soc", 0.5)
     if soc > 1.0 or (soc == 1.0 and not battery.fills):
-        raise UserError(f"{where}.soc: {soc:g} is never reached; give {'1 or less' if battery.fills else 'less than 1'}")
+        raise UserError(
+            f"{where}.soc: {soc:g} is never reached; give {'1 or less' if battery.fills else 'less than 1'}"
+        )
     if until.get("temperature_c", 1e9) <= settings.ambient_c:
         raise UserError(
             f"{where}.temperature_c: {until['temperature_c']:g} degC is not above the ambient's {settings.ambient_c:g}"

@@ -38,9 +38,10 @@ class Composed:
     def overridden(self, path: str) -> str | None:
         """Return the override that set a key path or one of its ancestors, or None."""
         for word in self.overrides:
-            key = word.split("=", 1)[0].lstrip("+~").split("@")[0]
+            group, _, package = word.split("=", 1)[0].lstrip("+~").partition("@")
+            key = package or group
             if path == key or path.startswith(key + "."):
-                if "=" in word and (CONF / key).is_dir() and path != key:
+                if "=" in word and (CONF / group).is_dir() and path != key:
                     continue
                 return word
         return None

@@ -73,6 +73,7 @@ DRAWINGS: dict[str, type[Record]] = {
     "reflex_waveform": WaveformOptions,
     "search_effects": EffectOptions,
     "supply": NoOptions,
+    "two_cells": NoOptions,
 }
 """Every module under `figures` and the record of its options."""
 
@@ -85,11 +86,24 @@ class FigureCard(Record):
     title: str = Field(min_length=1, description="title, for people")
     caption: str = Field(min_length=1, description="what it shows; also its text for those who cannot see it")
     reads: tuple[
-        Literal["modes", "system", "algorithm", "panel", "supply", "chaos", "objective", "tuning", "search", "charge"],
+        Literal[
+            "modes",
+            "system",
+            "algorithm",
+            "panel",
+            "supply",
+            "chaos",
+            "objective",
+            "tuning",
+            "search",
+            "charge",
+            "second_charge",
+        ],
         ...,
     ] = Field(
         description="the steps whose artefacts it reads; modes: the knobs of the modes; system: panel, converters, "
-        "load and battery as configured; algorithm: the settings of the search"
+        "load and battery as configured; algorithm: the settings of the search; second_charge: the charges of the "
+        "second battery, without which the figure is left out"
     )
     comparison: str | None = Field(default=None, description="the only comparison it shows; all of them without")
     options: dict[str, Any] = Field(default_factory=dict, description="what the drawing module lets one choose")

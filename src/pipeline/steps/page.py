@@ -8,9 +8,10 @@ from typing import Any
 
 from pipeline import schemas, tables
 from pipeline.digest import PROJECT
+from pipeline.report import second_cell
 from pipeline.report import tables as report_tables
 from pipeline.report.data import ReportData
-from pipeline.report.pages import PageContent, PageFigure, Paper, render
+from pipeline.report.pages import PageContent, PageFigure, PageSection, Paper, render
 from pipeline.report.parameters import parameters
 from pipeline.report.search_tables import search_tables
 from pipeline.report.tables import ReportTable
@@ -24,6 +25,9 @@ def run(settings: Mapping[str, Any], inputs: Mapping[str, Path], output: Path) -
     data = report_data(settings, inputs)
     verdicts = _verdicts(inputs)
     shown = _tables(data, inputs)
+    figures = {card["name"]: _figure(card, inputs[f"figure/{card['name']}"]) for card in settings["figures"]}
+    apart = {card["name"] for card in settings["figures"] if "second_charge" in card["reads"]}
+    sections = _second(data, inputs, verdicts, [figures[name] for name in sorted(apart)])
     listed = parameters(settings["parameters"])
     study = settings["study"]
     page = PageContent(
@@ -31,15 +35,17 @@ def run(settings: Mapping[str, Any], inputs: Mapping[str, Path], output: Path) -
         subtitle=" ".join([f"{study['question']} {settings['battery']}.", *_departure(settings["overrides"])]),
         paper=Paper(study["paper"], study["doi"]),
         verdicts=verdicts,
-        figures=[_figure(card, inputs[f"figure/{card['name']}"]) for card in settings["figures"]],
+        figures=[figure for name, figure in figures.items() if name not in apart],
         tables=shown,
         parameters=listed,
         command=settings["command"],
         keys={name: folder.name for name, folder in sorted(inputs.items())},
+        sections=sections,
     )
     (output / "index.html").write_text(render(page), encoding="utf-8")
     (output / "tables").mkdir()
-    for table in [*shown, report_tables.verdicts(verdicts), report_tables.parameters(listed)]:
+    in_sections = [table for section in sections for table in section.tables]
+    for table in [*shown, *in_sections, report_tables.verdicts(verdicts), report_tables.parameters(listed)]:
         (output / "tables" / f"{table.name}.csv").write_text(report_tables.to_csv(table), encoding="utf-8")
 
 
@@ -55,10 +61,24 @@ def _tables(data: ReportData, inputs: Mapping[str, Path]) -> list[ReportTable]:
     return shown + search_tables(data, REFERENCE)
 
 
-def _verdicts(inputs: Mapping[str, Path]) -> dict[str, Any]:
+def _second(
+    data: ReportData, inputs: Mapping[str, Path], verdicts: Mapping[str, Any], figures: list[PageFigure]
+) -> list[PageSection]:
+    """Return the section on the second battery; none where the run has one battery."""
+    if len(data.cells) < 2:
+        return []
+    others = _verdicts(inputs, "second")
+    shown = [second_cell.side_by_side(data)]
+    if second_cell.differing(verdicts, others):
+        shown.insert(0, second_cell.statements(verdicts, others, data.cells))
+    text = second_cell.summary(verdicts, others, data.cells)
+    return [PageSection("second-cell", "Where the second cell differs", text, shown, figures)]
+
+
+def _verdicts(inputs: Mapping[str, Path], name: str = "verdicts") -> dict[str, Any]:
     if "verdicts" not in inputs:
         return {column.name: [] for column in schemas.VERDICTS.columns}
-    return tables.read(schemas.VERDICTS, inputs["verdicts"] / "verdicts.parquet")
+    return tables.read(schemas.VERDICTS, inputs["verdicts"] / f"{name}.parquet")
 
 
 def _figure(card: Mapping[str, Any], folder: Path) -> PageFigure:

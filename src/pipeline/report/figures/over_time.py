@@ -61,7 +61,7 @@ def draw(figure: FigureCard, data: ReportData) -> Figure:
         charged = data.charged(comparison)
         for place, mode in enumerate(charged):
             seen.add(mode)
-            _line(axes, data.charge(comparison, mode, "trace"), quantity, marks[mode], min(3, len(charged) - 1 - place))
+            line(axes, data.charge(comparison, mode, "trace"), quantity, marks[mode], min(3, len(charged) - 1 - place))
             if options.quantity == "soc":
                 _soc_marks(axes, data.quantities(comparison, mode), marks[mode])
         if options.quantity == "current":
@@ -76,7 +76,7 @@ def draw(figure: FigureCard, data: ReportData) -> Figure:
     return drawing
 
 
-def _line(axes: Axes, trace: Columns, quantity: Quantity, mark: style.Mark, later: int) -> None:
+def line(axes: Axes, trace: Columns, quantity: Quantity, mark: style.Mark, later: int) -> None:
     """Draw one mode, the wider the more modes come later: where they coincide none hides another."""
     hours = trace["Test Time / s"] / 3600.0
     if not len(hours):
