@@ -17,7 +17,7 @@ class Draft:
     finds an input to the name of the node that makes it; `sections` are the key paths of the configuration the
     node itself depends on; `shown` maps files of the artefact (`*`: all of them, names kept) to places in the
     readable view, which is under `results/` or `reports/`; `modules` are those the step imports by a name that stands
-    in its settings; nodes of a step with one `batch` share jobs of their own.
+    in its settings.
     """
 
     step: str
@@ -29,12 +29,6 @@ class Draft:
     shown: dict[str, str] = field(default_factory=dict)
     view: str = "results"
     modules: tuple[str, ...] = ()
-    batch: str = ""
-
-    @property
-    def kind(self) -> str:
-        """Return what sort of node it is: its batch, or else its step."""
-        return self.batch or self.step
 
 
 def plain(value: Any) -> Any:

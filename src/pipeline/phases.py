@@ -65,9 +65,13 @@ def _supply(study: Study) -> Iterator[Draft]:
 
 def _charges(study: Study) -> Iterator[Draft]:
     yield Draft("engine", "engine", "engine", {})
-    yield from _charges_of(study, study.battery)
-    if study.second_battery is not None:
-        yield from _charges_of(study, study.second_battery, second=True)
+    first = _charges_of(study, study.battery)
+    if study.second_battery is None:
+        yield from first
+        return
+    # In turn, so that a job takes one of each.
+    for pair in zip(first, _charges_of(study, study.second_battery, second=True), strict=True):
+        yield from pair
 
 
 def _charges_of(study: Study, battery: Battery, second: bool = False) -> Iterator[Draft]:
@@ -92,7 +96,6 @@ def _charges_of(study: Study, battery: Battery, second: bool = False) -> Iterato
             sections=("second_battery" if second else "battery", "charge", *modes),
             shown={"trace.bdf.parquet": f"{place}.bdf.parquet"}
             | {f"{part}.parquet": f"{place}.{part}.parquet" for part in parts},
-            batch=SECOND if second else "",
         )
 
 
@@ -207,7 +210,7 @@ def _fitted(study: Study, by_name: Mapping[str, Draft], names: set[str], stateme
 
 
 def _figures(study: Study, nodes: list[Draft]) -> Iterator[Draft]:
-    made = {node.kind for node in nodes}
+    made = {_kind(node) for node in nodes}
     for identifier, card in study.figures.items():
         if {*FINDERS, SECOND} & set(card.reads) - made:
             continue
@@ -233,9 +236,14 @@ def _figures(study: Study, nodes: list[Draft]) -> Iterator[Draft]:
 
 
 def _wanted(node: Draft, reads: Iterable[str], comparison: str | None) -> bool:
-    if node.kind not in reads:
+    if _kind(node) not in reads:
         return False
-    return node.step != "charge" or comparison is None or node.name.startswith(f"{node.kind}/{comparison}/")
+    return node.step != "charge" or comparison is None or node.name.split("/")[1] == comparison
+
+
+def _kind(node: Draft) -> str:
+    """Return the step of a node, those that charge the second battery told from the others."""
+    return SECOND if node.name.startswith(f"{SECOND}/") else node.step
 
 
 def _labels(study: Study, knobs: bool = False) -> dict[str, Any]:

@@ -27,7 +27,7 @@ STEP_FILES: dict[str, tuple[str, ...]] = {
     "figures": ("src/pipeline/report/*.mplstyle",),
     "page": ("src/pipeline/report/templates/*", "conf/published/reference/*.csv"),
 }
-# Nodes of a step, or of a batch within one, that a job takes at most, in a single run and in a sweep.
+# Nodes a job takes at most, in a single run and in a sweep.
 CHUNK_SIZE = {
     "panel": (1, 16),
     "supply": (1, 64),
@@ -35,8 +35,7 @@ CHUNK_SIZE = {
     "objective": (1, 32),
     "tuning": (1, 4),
     "search": (1, 8),
-    "charge": (1, 12),
-    "second_charge": (3, 12),
+    "charge": (2, 12),  # one of each battery
     "verdicts": (1, 32),
     "figures": (7, 14),
     "page": (1, 8),
@@ -153,19 +152,14 @@ def _chunks(runs: Sequence[Run], nodes: Mapping[str, Any]) -> dict[str, dict[str
     """Group the nodes of each step into jobs, by their order in the plan alone."""
     sweep = len(runs) > 1
     labels: dict[str, list[str]] = {}
-    batch: dict[str, str] = {}
     for run in runs:
         for node in run.nodes:
             labels.setdefault(run.keys[node.name], []).append(node.label)
-            batch.setdefault(run.keys[node.name], node.kind)
     chunks: dict[str, dict[str, Any]] = {}
     maker: dict[str, str] = {}
     for step in STEPS:
-        grouped: dict[str, list[str]] = {}
-        for key in (key for key in nodes if nodes[key]["step"] == step):
-            grouped.setdefault(batch[key], []).append(key)
-        parts = [part for name, keys in grouped.items() for part in _evenly(keys, CHUNK_SIZE.get(name, (1, 1))[sweep])]
-        for part in parts:
+        keys = [key for key in nodes if nodes[key]["step"] == step]
+        for part in _evenly(keys, CHUNK_SIZE.get(step, (1, 1))[sweep]):
             needed = {maker[key] for node in part for key in nodes[node]["inputs"].values()}
             name = _chunk_name([labels[key] for key in part], part)
             chunks[name] = {"step": step, "nodes": part, "needs": sorted(needed)}

@@ -73,13 +73,14 @@ def _numbers(data: ReportData, comparison: str, mode: str) -> dict[tuple[str, st
         return {}
     found = data.quantities(comparison, mode)
     heat = _heat(data.charge(comparison, mode, "energy"))
-    return {
+    numbers: dict[tuple[str, str], Cell] = {
         (f"time to {100 * MARK:g} % SOC", "h"): _hours(found.get(f"time_to_soc_{MARK:g}_s")),
         ("SOC at the end", "%"): 100 * found["end_soc"] if "end_soc" in found else None,
         ("peak temperature rise", "K"): found.get("peak_temperature_rise_k"),
         ("energy efficiency", "%"): 100 * found["energy_efficiency"] if "energy_efficiency" in found else None,
         ("heat, all paths", "Wh"): sum(heat.values()),
-    } | {(f"heat: {path}", "Wh"): energy for path, energy in heat.items()}
+    }
+    return numbers | {(f"heat: {path}", "Wh"): energy for path, energy in heat.items()}
 
 
 def _heat(energy: Columns) -> dict[str, float]:
