@@ -8,6 +8,7 @@ from typing import Any
 from pipeline.cell.records import Battery
 from pipeline.charge.comparison import compared
 from pipeline.charge.records import Mode
+from pipeline.config.searching import VARIABLE
 from pipeline.config.study import Study
 from pipeline.draft import Draft, needed, plain, with_found
 from pipeline.planfile import command
@@ -296,12 +297,21 @@ def _page(study: Study, nodes: list[Draft]) -> Iterator[Draft]:
             "command": command(study.study.name, study.overrides),
             "overrides": list(study.overrides),
             **_labels(study),
+            **_searched(study, nodes),
             **(_cells(study) if study.second_battery is not None else {}),
         },
         inputs={node.name: node.name for node in nodes if node.step in _SHOWN},
         shown={"*": ""},
         view="reports",
     )
+
+
+def _searched(study: Study, nodes: list[Draft]) -> dict[str, list[float]]:
+    """Return the range of frequencies of a search that is run."""
+    if study.search is None or "search" not in {node.step for node in nodes}:
+        return {}
+    limits = study.search.variables[VARIABLE]
+    return {"searched": [limits.low, limits.high]}
 
 
 def _parameters(study: Study, steps: set[str]) -> list[dict[str, Any]]:

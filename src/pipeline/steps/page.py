@@ -13,7 +13,7 @@ from pipeline.report import tables as report_tables
 from pipeline.report.data import ReportData
 from pipeline.report.pages import PageContent, PageFigure, PageSection, Paper, render
 from pipeline.report.parameters import parameters
-from pipeline.report.search_tables import search_tables
+from pipeline.report.search_tables import beyond_range, search_tables
 from pipeline.report.tables import ReportTable
 from pipeline.steps.labels import report_data
 
@@ -29,10 +29,11 @@ def run(settings: Mapping[str, Any], inputs: Mapping[str, Path], output: Path) -
     apart = {card["name"] for card in settings["figures"] if "second_charge" in card["reads"]}
     sections = _second(data, inputs, verdicts, [figures[name] for name in sorted(apart)])
     listed = parameters(settings["parameters"])
-    study = settings["study"]
+    study, searched = settings["study"], settings.get("searched")
+    notes = [*_departure(settings["overrides"]), *beyond_range(data, tuple(searched) if searched else None)]
     page = PageContent(
         title=study["title"],
-        subtitle=" ".join([f"{study['question']} {settings['battery']}.", *_departure(settings["overrides"])]),
+        subtitle=" ".join([f"{study['question']} {settings['battery']}.", *notes]),
         paper=Paper(study["paper"], study["doi"]),
         verdicts=verdicts,
         figures=[figure for name, figure in figures.items() if name not in apart],
