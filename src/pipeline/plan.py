@@ -35,7 +35,7 @@ CHUNK_SIZE = {
     "objective": (1, 32),
     "tuning": (1, 4),
     "search": (1, 8),
-    "charge": (2, 12),  # one of each battery
+    "charge": (4, 12),  # loading the kernels takes as long as a charge or two
     "verdicts": (1, 32),
     "figures": (7, 14),
     "page": (1, 8),
