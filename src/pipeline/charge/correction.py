@@ -36,8 +36,8 @@ def correct(cell: Cell, run: Run, slot: int, control: int, bypassed: bool) -> No
             by_current, by_depth = 0.0, 0.0
             for k in range(cell.pairs + cell.acceptance):
                 if not (bypassed and k == cell.pairs):
-                    by_current += run.node[slot, k, j, n] * run.resistance[k, n]
-                    by_depth += run.node[slot, k, j, n] * run.slope[k, n]
+                    by_current += run.node[slot, k, n, j] * run.resistance[k, n]
+                    by_depth += run.node[slot, k, n, j] * run.slope[k, n]
             m[j, n] = by_current
             run.row[n] = by_depth * at[MAIN, n]
         for n in range(3):

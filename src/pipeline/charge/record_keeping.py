@@ -8,7 +8,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from pipeline.cell.circuit import ENTROPIC, OPEN_CIRCUIT, REFERENCE_K, SERIES, Cell
+from pipeline.cell.circuit import ENTROPIC, OPEN_CIRCUIT, REFERENCE_K, SERIES, Cell, hysteresis_at
 from pipeline.cell.curves import value_and_slope
 from pipeline.cell.relaxation import LAGRANGE, response
 from pipeline.charge.moment import charge_transfer
@@ -16,7 +16,9 @@ from pipeline.charge.state import (
     CHARGE,
     DEPTH,
     ELECTRICAL,
+    HYSTERESIS,
     MAIN,
+    PAIR_HEAT,
     POWER_CONTROL,
     RELAXATIONS,
     SIDE,
@@ -73,7 +75,7 @@ class Book(NamedTuple):
 
 
 @inlined
-def add_step(run: Run, book: Book, length_s: float) -> None:
+def add_step(cell: Cell, run: Run, book: Book, length_s: float) -> None:
     """Add an accepted step to the sums since the last sample."""
     gain, at, sums, extremes = run.gain, run.at, book.sums, book.extremes
     if gain[CHARGE] >= 0.0:
@@ -89,7 +91,7 @@ def add_step(run: Run, book: Book, length_s: float) -> None:
         sums[VOLTAGE_LIMITED_S] += length_s
     elif run.control == POWER_CONTROL:
         sums[SUPPLY_LIMITED_S] += length_s
-    for n in range(len(gain)):
+    for n in range(PAIR_HEAT + cell.pairs + cell.acceptance):
         book.recent_gains[n] += gain[n]
     v, a, t = at[TERMINAL_V], at[TOTAL], at[T]
     extremes[LOWEST_V] = min(extremes[LOWEST_V], min(min(v[0], v[1]), min(v[2], v[3])))
@@ -208,6 +210,8 @@ def write_point(cell: Cell, run: Run, book: Book, window: int, time_s: float, le
         ohm, _ = value_and_slope(cell, SERIES, x)
         eta, _, _ = charge_transfer(cell, x, temperature, main)
         voltage = open_v + entropy * (temperature - REFERENCE_K) + ohm * current + eta
+        if cell.hysteresis == 1:
+            voltage += hysteresis_at(cell, run.state[HYSTERESIS], x - run.state[DEPTH])[0]
         for k in range(cell.pairs + cell.acceptance):
             w = run.row
             left = response(length_s / cell.tau_s[k], theta, run.phi, w)
