@@ -105,11 +105,11 @@ def test_a_change_to_the_first_leaves_its_charges_alone():
     assert not any(before[name] != after[name] for name in before if name.startswith("second_charge/"))
 
 
-def test_a_job_takes_a_charge_of_each():
+def test_a_job_takes_charges_of_both():
     plan = make_plan([()])
     jobs = [chunk["nodes"] for chunk in plan["chunks"].values() if chunk["step"] == "charge"]
     batteries = [{plan["nodes"][key]["settings"]["battery"]["name"] for key in job} for job in jobs]
-    assert batteries == [{"lead_acid_12v7ah", "lead_acid_generic"}] * 5
+    assert batteries == [{"lead_acid_12v7ah", "lead_acid_generic"}] * 3
 
 
 def test_a_mode_that_does_not_suit_it_is_refused_by_its_name():

@@ -18,25 +18,25 @@ def potential_v(q):
     return E0 - K * Q * q / (Q - q)
 
 
-def integrate(soc, segments, lag="voltage", tau=TAU):
-    """Run through segments of (length, current); lag on the current is the block's, on the voltage the project's.
+def integrate(soc, segments, time, drawn, lag="voltage"):
+    """Return the terminal voltages at some times, where the current tells which side of an edge is meant.
 
-    Returns two arrays, times and terminal voltages, with a hundred rows a segment.
+    Segments are (length, current); lag on the current is the block's, on the voltage the project's.
     """
 
     def slopes(_, y, current):
         q, slow, exponential = y
         drive = current if lag == "current" else polarisation_ohm(q) * current
         target = A if current > 0 else 0.0
-        return [-current / 3600, (drive - slow) / tau, B * abs(current) * (target - exponential) / 3600]
+        return [-current / 3600, (drive - slow) / TAU, B * abs(current) * (target - exponential) / 3600]
 
-    state, start, times, voltages = np.array([Q * (1 - soc), 0.0, 0.0]), 0.0, [], []
+    state, start, voltage = np.array([Q * (1 - soc), 0.0, 0.0]), 0.0, np.full(len(time), np.nan)
     for length, current in segments:
-        grid = np.linspace(0, length, 100)
-        found = solve_ivp(slopes, (0, length), state, "DOP853", grid, rtol=1e-12, atol=1e-13, args=(current,))
-        q, slow, exponential = found.y
+        options = {"rtol": 1e-12, "atol": 1e-13, "args": (current,), "dense_output": True}
+        found = solve_ivp(slopes, (0, length), state, "DOP853", **options)
+        rows = (time > start - 1e-9) & (time < start + length + 1e-9) & (np.abs(drawn - current) < 1e-9)
+        q, slow, exponential = found.sol(np.clip(time[rows] - start, 0.0, length))
         held = polarisation_ohm(q) * slow if lag == "current" else slow
-        times.append(start + grid)
-        voltages.append(potential_v(q) + held + exponential + R * current)
+        voltage[rows] = potential_v(q) + held + exponential + R * current
         state, start = found.y[:, -1], start + length
-    return np.concatenate(times), np.concatenate(voltages)
+    return voltage
