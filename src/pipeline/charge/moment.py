@@ -30,6 +30,7 @@ from pipeline.charge.state import (
     OHM,
     OHM_SLOPE,
     OPEN_SLOPE,
+    POWER_CONTROL,
     RELAXATIONS,
     SIDE,
     SIDE_SLOPE,
@@ -102,12 +103,9 @@ def finish_moment(cell: Cell, run: Run, j: int, relaxed_v: float, control: int, 
     return terminal_v * total - target, slope
 
 
-@kernel
-def solve_start(cell: Cell, run: Run, control: int, target: float, guess: float) -> bool:
-    """Solve the circuit for the state as it stands and fill the start column; False where that fails.
-
-    The residual rises with the current and bends upwards, so Newton's iteration cannot circle.
-    """
+@inlined
+def place_start(cell: Cell, run: Run) -> None:
+    """Fill the start column with what the state alone decides."""
     at, state = run.at, run.state
     at[X, START], at[T, START], at[HYSTERESIS_V, START] = state[DEPTH], state[TEMPERATURE], state[HYSTERESIS]
     circuit_at(cell, run, START)
@@ -115,13 +113,24 @@ def solve_start(cell: Cell, run: Run, control: int, target: float, guess: float)
     for k in range(cell.pairs + cell.acceptance):
         relaxed += state[RELAXATIONS + k]
         run.value[k, START] = state[RELAXATIONS + k]
+    run.relaxed_v = relaxed
+
+
+@kernel
+def solve_start(cell: Cell, run: Run, control: int, target: float, guess: float) -> bool:
+    """Solve the circuit at the start, which must be placed, for its currents; False where that fails.
+
+    The residual rises with the current and bends upwards, so Newton's iteration cannot circle.
+    """
+    at, relaxed = run.at, run.relaxed_v
     at[MAIN, START] = guess
-    if control == CURRENT_CONTROL and cell.transfer == 0:
+    if cell.transfer == 0 and control != POWER_CONTROL and at[OHM, START] > 0.0:
         # The side current does not depend on the main one.
-        residual, _ = finish_moment(cell, run, START, relaxed, control, target)
-        at[MAIN, START] -= residual
-        at[TOTAL, START] = target
-        at[TERMINAL_V, START] = at[NODE_V, START] + at[OHM, START] * target
+        residual, slope = finish_moment(cell, run, START, relaxed, control, target)
+        at[MAIN, START] -= residual / slope
+        total = at[MAIN, START] + at[SIDE, START]
+        at[TOTAL, START] = target if control == CURRENT_CONTROL else total
+        at[TERMINAL_V, START] = at[NODE_V, START] + at[OHM, START] * at[TOTAL, START]
         return math.isfinite(residual)
     scale = abs(target) + 1e-9
     for _ in range(400):

@@ -1,18 +1,11 @@
-"""The circuit at the three nodes of a step and, fourth, its start: side by side, so that four are one operation.
-
-What a line writes into a row it computes first for all four moments: stores between them would keep the compiler from
-joining them.
-"""
+"""The circuit at the three nodes of a step and, fourth, its start."""
 
 from __future__ import annotations
 
 import math
 
-import numpy as np
-from numpy.typing import NDArray
-
 from pipeline.cell.circuit import Cell, hysteresis_at, side_current, side_exponent
-from pipeline.cell.relaxation import PASSED
+from pipeline.charge.lanes import passed, put
 from pipeline.charge.moment import charge_transfer
 from pipeline.charge.state import (
     CURRENT_CONTROL,
@@ -48,18 +41,6 @@ from pipeline.jit import inlined
 # Change of the side reaction's exponent up to which nine terms of the exponential give all its digits.
 _SERIES = 0.1
 _TERMS = tuple(1.0 / math.factorial(k) for k in range(10))
-
-
-@inlined
-def put(row: NDArray[np.float64], a: float, b: float, c: float, d: float) -> None:
-    """Write the values of the four moments."""
-    row[0], row[1], row[2], row[3] = a, b, c, d
-
-
-@inlined
-def passed(of: NDArray[np.float64], j: int) -> float:
-    """Return the integral of a quantity from the start to moment j, per unit of step length."""
-    return float(PASSED[0, j] * of[0] + PASSED[1, j] * of[1] + PASSED[2, j] * of[2])
 
 
 @inlined

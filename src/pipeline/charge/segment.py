@@ -11,8 +11,8 @@ from numpy.typing import NDArray
 from pipeline.cell.circuit import Cell
 from pipeline.cell.relaxation import MOST_SLOTS, fill
 from pipeline.charge.error import step_error
-from pipeline.charge.moment import solve_start
-from pipeline.charge.nodes import put
+from pipeline.charge.lanes import put
+from pipeline.charge.moment import place_start, solve_start
 from pipeline.charge.state import (
     CURRENT_CONTROL,
     DEPTH,
@@ -84,6 +84,7 @@ def choose_control(cell: Cell, run: Run, demand: Demand) -> bool:
     run.control = CURRENT_CONTROL
     if cell.acceptance == 1:
         state[RELAXATIONS + cell.pairs] = max(0.0, state[RELAXATIONS + cell.pairs])
+    place_start(cell, run)
     if not solve_start(cell, run, CURRENT_CONTROL, demand.current_a, demand.current_a):
         return False
     if demand.charging:
@@ -111,6 +112,7 @@ def continue_moment(cell: Cell, run: Run, demand: Demand) -> bool:
     """Solve the start of the next step under the control of the last one; False where the circuit fails."""
     # The step's own end is the better guess: where next to nothing is accepted, the start's balance is all rounding.
     run.guess_a = run.at[MAIN, 2]
+    place_start(cell, run)
     return solve_start(cell, run, run.control, target_of(cell, demand, run.control), run.guess_a)
 
 

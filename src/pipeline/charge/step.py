@@ -15,8 +15,9 @@ from numpy.typing import NDArray
 from pipeline.cell.circuit import Cell
 from pipeline.charge.correction import correct
 from pipeline.charge.gains import finish
+from pipeline.charge.lanes import put
 from pipeline.charge.moment import circuit_at
-from pipeline.charge.nodes import circuit_near, close, follow_hysteresis, move, put, relax, warm
+from pipeline.charge.nodes import circuit_near, close, follow_hysteresis, move, relax, warm
 from pipeline.charge.state import (
     CURRENT_CONTROL,
     DEPTH,
