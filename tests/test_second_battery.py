@@ -120,6 +120,11 @@ def test_a_mode_that_does_not_suit_it_is_refused_by_its_name():
         study(*words)
 
 
+def test_a_battery_that_is_not_there_is_refused_by_the_word_that_asked_for_it():
+    with pytest.raises(UserError, match=r"override battery@second_battery=lead: no conf/battery/lead.yaml; "):
+        study("battery@second_battery=lead")
+
+
 def test_a_value_calibrated_in_the_second_reaches_the_verdict_on_it_alone():
     composed = compose_tree([])
     source = {"kind": "calibrated", "ref": "fit", "to": "solar_reflex.pulse_cooler_same_mean"}
