@@ -141,10 +141,11 @@ def run_edge(
                             proposals[segment, run.control] = dyadic(min(better, length_s), length_s)
                     first = False
                     wish_s = max(taken_s, min(proposal_s, 4.0 * taken_s)) * factor if what == NOTHING else proposal_s
-                    proposal_s = min(maximum_step_s, dyadic(wish_s, length_s))
                     remaining_s -= taken_s
                     if remaining_s <= 1e-12 * length_s and length_s < math.inf:
                         remaining_s = 0.0
+                    # To the end of the segment where that is near enough: the same length in every period.
+                    proposal_s = min(maximum_step_s, wish_s if wish_s >= remaining_s else dyadic(wish_s, length_s))
                     time_s = segment_start_s + (length_s - remaining_s) if length_s < math.inf else time_s + taken_s
                     if what >= TO_CURRENT:
                         run.changes += 1
