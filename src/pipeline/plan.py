@@ -42,7 +42,7 @@ CHUNK_SIZE = {
     "network": (1, 4),
     "network_size": (1, 4),
     "network_kernels": (1, 4),
-    "charge": (1, 12),
+    "charge": (4, 12),  # loading the kernels takes as long as a charge or two
     "trade_off": (1, 4),
     "verdicts": (1, 32),
     "figures": (7, 14),

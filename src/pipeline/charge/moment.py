@@ -126,12 +126,12 @@ def solve_start(cell: Cell, run: Run, control: int, target: float, guess: float)
     at[MAIN, START] = guess
     if cell.transfer == 0 and control != POWER_CONTROL and at[OHM, START] > 0.0:
         # The side current does not depend on the main one.
-        residual, slope = finish_moment(cell, run, START, relaxed, control, target)
-        at[MAIN, START] -= residual / slope
-        total = at[MAIN, START] + at[SIDE, START]
-        at[TOTAL, START] = target if control == CURRENT_CONTROL else total
-        at[TERMINAL_V, START] = at[NODE_V, START] + at[OHM, START] * at[TOTAL, START]
-        return math.isfinite(residual)
+        finish_moment(cell, run, START, relaxed, control, target)
+        node_v, ohm = at[NODE_V, START], at[OHM, START]
+        total = target if control == CURRENT_CONTROL else (target - node_v) / ohm
+        at[TOTAL, START], at[MAIN, START] = total, total - at[SIDE, START]
+        at[TERMINAL_V, START] = node_v + ohm * total
+        return math.isfinite(at[MAIN, START] + total)
     scale = abs(target) + 1e-9
     for _ in range(400):
         residual, slope = finish_moment(cell, run, START, relaxed, control, target)

@@ -41,12 +41,10 @@ from pipeline.jit import inlined, kernel
     CHARGE_OUT,
     ENERGY_IN,
     ENERGY_OUT,
-    SIDE_AS,
-    VOLTAGE_VS,
     VOLTAGE_LIMITED_S,
     SUPPLY_LIMITED_S,
     SUMS,
-) = range(10)
+) = range(8)
 LOWEST_V, HIGHEST_V, LOWEST_A, HIGHEST_A = range(4)
 
 SAMPLE_COLUMNS = 17
@@ -85,8 +83,6 @@ def add_step(cell: Cell, run: Run, book: Book, length_s: float) -> None:
         sums[CHARGE_OUT] -= gain[CHARGE]
         sums[ENERGY_OUT] -= gain[ELECTRICAL]
     sums[SPAN_S] += length_s
-    sums[SIDE_AS] += gain[SIDE_CHARGE]
-    sums[VOLTAGE_VS] += gain[VOLTAGE_TIME]
     if run.control == VOLTAGE_CONTROL:
         sums[VOLTAGE_LIMITED_S] += length_s
     elif run.control == POWER_CONTROL:
@@ -117,12 +113,9 @@ def take_sample(cell: Cell, run: Run, book: Book, time_s: float, phase: int) -> 
         return
     for n in range(SUMS):
         totals[n] += sums[n]
-    for n in range(len(book.gains)):
-        book.gains[n] += book.recent_gains[n]
-        book.recent_gains[n] = 0.0
     row = book.samples[book.filled[0]]
     row[0] = time_s
-    row[1] = sums[VOLTAGE_VS] / span
+    row[1] = book.recent_gains[VOLTAGE_TIME] / span
     row[2] = (sums[CHARGE_IN] - sums[CHARGE_OUT]) / span
     row[3] = phase + 1
     for n in range(4):
@@ -133,10 +126,13 @@ def take_sample(cell: Cell, run: Run, book: Book, time_s: float, phase: int) -> 
     row[11] = cell.cells * book.extremes[HIGHEST_V]
     row[12] = book.extremes[LOWEST_A]
     row[13] = book.extremes[HIGHEST_A]
-    row[14] = sums[SIDE_AS] / span
+    row[14] = book.recent_gains[SIDE_CHARGE] / span
     row[15] = sums[SUPPLY_LIMITED_S] / span
     row[16] = sums[VOLTAGE_LIMITED_S] / span
     book.filled[0] += 1
+    for n in range(len(book.gains)):
+        book.gains[n] += book.recent_gains[n]
+        book.recent_gains[n] = 0.0
     sums[:] = 0.0
     reset_extremes(book)
 

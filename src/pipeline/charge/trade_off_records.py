@@ -23,6 +23,8 @@ BEHIND = (
     "rule_end_soc_behind_{of}"
 )
 """Names of the numbers found behind each sensor `of`."""
+ENDED = "constant_{rate:g}c_ended_by_{stop}_s"
+"""Name of the time at which a stop ends a constant current in the first condition."""
 
 
 class Condition(Record):
@@ -71,4 +73,5 @@ class TradeOff(Record):
     def quantities(self) -> set[str]:
         """Return the names of the numbers that the trade-off finds."""
         found = {name.format(of=of) for name in NUMBERS.split() for of in self.conditions}
+        found |= {ENDED.format(rate=rate, stop=stop) for rate in self.c_rates for stop in (*self.stops, TIMER)}
         return found | {name.format(of=of) for name in BEHIND.split() for of in self.sensors}

@@ -6,8 +6,11 @@ import math
 from collections.abc import Iterator, Sequence
 
 from pipeline.charge.trade_off import Row
-from pipeline.charge.trade_off_records import CONSTANT, OWN, TradeOff
+from pipeline.charge.trade_off_records import CONSTANT, ENDED, OWN, TradeOff
 from pipeline.quantity import Quantity
+
+SAME_TIME = 1e-3
+"""Share of a charge time by which nobody would call a charge slower."""
 
 
 def quantities(rows: Sequence[Row], chosen: TradeOff) -> list[Quantity]:
@@ -34,17 +37,24 @@ def quantities(rows: Sequence[Row], chosen: TradeOff) -> list[Quantity]:
                     found += _rivals(condition, row, constants)
     for sensor in chosen.sensors:
         found += _behind(rows, sensor, chosen)
-    return found
+    first = next(iter(chosen.conditions))
+    return found + [
+        Quantity(
+            ENDED.format(rate=row.c_rate, stop=row.stop), row.end_time_s, "s", f"end of the charge, {row.end_reason}"
+        )
+        for row in rows
+        if row.law == CONSTANT and row.condition == first
+    ]
 
 
 def _rivals(condition: str, network: Row, constants: Sequence[Row]) -> Iterator[Quantity]:
     """Yield the fastest constant current that gets no hotter than the network, and the coolest that is no slower."""
     no_hotter = [row for row in constants if row.peak_temperature_c <= network.peak_temperature_c]
     if no_hotter:
-        rival = min(no_hotter, key=lambda row: (row.time_to_full_s, row.peak_temperature_c))
+        rival = min(no_hotter, key=lambda row: (round(row.time_to_full_s, 3), row.peak_temperature_c))
         yield from _reached("rival", condition, rival)
         yield Quantity(f"rival_c_rate_{condition}", rival.c_rate, "1", f"its current; stopped by {rival.end_reason}")
-    no_slower = [row for row in constants if row.time_to_full_s <= network.time_to_full_s]
+    no_slower = [row for row in constants if row.time_to_full_s <= (1.0 + SAME_TIME) * network.time_to_full_s]
     if no_slower:
         coolest = min(no_slower, key=lambda row: (row.peak_temperature_c, row.time_to_full_s))
         yield from _reached("coolest", condition, coolest)

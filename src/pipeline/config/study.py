@@ -97,6 +97,7 @@ class Study(Record):
     converter: PowerChain | None = None
     load: Load | None = None
     battery: Battery
+    second_battery: Battery | None = Field(default=None, description="charged in the same way, to be held against it")
     modes: dict[str, Mode]
     run: tuple[str, ...] = Field(min_length=1, description="names of the modes that are charged")
     comparisons: dict[str, Comparison] = Field(min_length=1)
@@ -133,7 +134,7 @@ def sections(modes_in_use: tuple[str, ...]) -> tuple[str, ...]:
     modes = tuple(f"modes.{name}" for name in modes_in_use)
     charge = ("charge.initial_soc", "charge.ambient_c")
     return (
-        *("panel", "weather", "converter", "load", "battery"),
+        *("panel", "weather", "converter", "load", "battery", "second_battery"),
         *modes,
         *charge,
         *("objective", "design", "search", "oracle", "network", "trade_off"),
@@ -148,7 +149,7 @@ def study_from(composed: Composed) -> Study:
     UserError : the first kind of mistake found, each instance with file, key path, value and what is allowed.
     """
     values, written = split(composed.tree)
-    values = _choose_modes(composed, values)
+    values = _choose_modes(composed, _without_twin(values))
     try:
         study = Study(
             **values,
@@ -157,7 +158,7 @@ def study_from(composed: Composed) -> Study:
         )
     except ValidationError as error:
         raise explain(error, values, "", composed.origin, Study) from None
-    taken = {path: source for path, source in written.items() if not _unused_mode(path, values)}
+    taken = {path: source for path, source in written.items() if not _unused(path, values)}
     sources = attribute(composed, values, taken, study.parameter_sections())
     study = study.model_copy(update={"sources": sources})
     _check_together(composed, study)
@@ -202,9 +203,17 @@ def _choose_modes(composed: Composed, values: dict[str, Any]) -> dict[str, Any]:
     return values | {"modes": {name: known[name] for name in dict.fromkeys(wanted)}, "run": list(run)}
 
 
-def _unused_mode(path: str, values: Mapping[str, Any]) -> bool:
+def _without_twin(values: dict[str, Any]) -> dict[str, Any]:
+    """Leave out a second battery that is the first one: there is nothing to hold against it."""
+    twin = values.get("second_battery") == values.get("battery")
+    return {key: value for key, value in values.items() if key != "second_battery"} if twin else values
+
+
+def _unused(path: str, values: Mapping[str, Any]) -> bool:
+    """Tell whether a source belongs to a mode or a second battery that this run leaves out."""
     keys = path.split(".")
-    return keys[0] == "modes" and len(keys) > 1 and keys[1] not in values["modes"]
+    left_out = keys[0] == "modes" and len(keys) > 1 and keys[1] not in values["modes"]
+    return left_out or (keys[0] == "second_battery" and keys[0] not in values)
 
 
 def _check_together(composed: Composed, study: Study) -> None:
@@ -213,6 +222,8 @@ def _check_together(composed: Composed, study: Study) -> None:
         for name in study.modes:
             with _below(composed, f"modes.{name}"):
                 charge_checks.check(study.battery, study.modes[name], study.charge)
+                if study.second_battery is not None:
+                    _check_second(study.second_battery, study.modes[name], study.charge)
         if study.panel is not None:
             if study.weather is None or study.converter is None or study.load is None:
                 raise UserError("panel: a study with a panel needs weather, converter and load")
@@ -229,6 +240,13 @@ def _check_together(composed: Composed, study: Study) -> None:
         calibrated = {name.removeprefix(own) for name in fitted if name.startswith(own)}
         marks, numbers = study.charge.soc_marks, _numbers(study)
         published_checks.check(study.published, _makeable(study), marks, calibrated, numbers)
+
+
+def _check_second(battery: Battery, mode: Mode, charge: ChargeSettings) -> None:
+    try:
+        charge_checks.check(battery, mode, charge)
+    except UserError as error:
+        raise UserError(f"{error}; meant is the second battery, {battery.name}") from None
 
 
 def reference_tables() -> list[Path]:

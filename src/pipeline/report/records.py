@@ -98,8 +98,10 @@ DRAWINGS: dict[str, type[Record]] = {
     "reflex_waveform": WaveformOptions,
     "search_effects": EffectOptions,
     "sensors": NoOptions,
+    "strings": NoOptions,
     "supply": NoOptions,
     "trade_off": NoOptions,
+    "two_cells": NoOptions,
 }
 """Every module under `figures` and the record of its options."""
 
@@ -128,11 +130,13 @@ class FigureCard(Record):
             "network",
             "network_size",
             "network_kernels",
+            "second_charge",
         ],
         ...,
     ] = Field(
         description="the steps whose artefacts it reads; modes: the knobs of the modes; system: panel, converters, "
-        "load and battery as configured; algorithm: the settings of the search; trade_off: its settings too"
+        "load and battery as configured; algorithm: the settings of the search; trade_off: its settings too; "
+        "second_charge: the charges of the second battery, without which the figure is left out"
     )
     comparison: str | None = Field(default=None, description="the only comparison it shows; all of them without")
     options: dict[str, Any] = Field(default_factory=dict, description="what the drawing module lets one choose")

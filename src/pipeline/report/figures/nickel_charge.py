@@ -69,7 +69,7 @@ def draw(figure: FigureCard, data: ReportData) -> Figure:
             _peak(axes, time, values)
     _mark(fields, options, data)
     fields[0].set_title(
-        f"{data.modes[options.mode].title}, {data.comparisons[comparisons[0]]}", pad=24 if options.c_rate else 7
+        f"{data.modes[options.mode].title}, {data.comparisons[comparisons[0]]}", pad=28 if options.c_rate else 7
     )
     fields[-1].set_xlabel("Time [s]")
     fields[-1].set_xlim(0.0, float(trace["Test Time / s"][-1]) * 1.01)
@@ -104,6 +104,7 @@ def _peak(axes: Axes, time: NDArray[np.float64], values: NDArray[np.float64]) ->
         axes.annotate(
             f"{values[top]:.2f} V at {time[top]:.0f} s", (float(time[top]), float(values[top])), xytext=(-6, -3),
             textcoords="offset points", ha="right", va="top", fontsize=9, color="#333333",
+            bbox={"facecolor": "white", "edgecolor": "none", "alpha": 0.85, "pad": 1.0}, zorder=6,
         )  # fmt: skip
 
 
@@ -125,9 +126,10 @@ def _mark(fields: NDArray[np.object_], options: NickelChargeOptions, data: Repor
         ours = words != "paper"
         for axes in fields:
             axes.axvline(when, color=style.GREY if ours else "#222222", linewidth=1.1, linestyle=":" if ours else "--")
-        place = max(when, place + 0.085 * span)
+        place = max(when, place + 0.095 * span)
         fields[0].annotate(
-            f"{words}\n{when:.0f} s", (when, 1.0), xycoords=("data", "axes fraction"), xytext=(place, 1.04),
+            f"{words}\n{when:.0f} s", (when, 1.0), xycoords=("data", "axes fraction"), xytext=(place, 1.09),
             textcoords=("data", "axes fraction"), ha="center", va="bottom", fontsize=8, color="#333333",
-            annotation_clip=False, arrowprops={"arrowstyle": "-", "color": "#bbbbbb", "linewidth": 0.7},
+            annotation_clip=False,
+            arrowprops={"arrowstyle": "-", "color": "#bbbbbb", "linewidth": 0.7, "relpos": (0.5, 0.0), "shrinkA": 0.0},
         )  # fmt: skip

@@ -65,7 +65,7 @@ def draw(figure: FigureCard, data: ReportData) -> Figure:
         for place, mode in enumerate(charged):
             seen.add(mode)
             trace, later = data.charge(comparison, mode, "trace"), min(3, len(charged) - 1 - place)
-            _line(axes, trace, quantity, marks[mode], later, unit_s)
+            line(axes, trace, quantity, marks[mode], later, unit_s)
             if options.quantity == "soc":
                 _soc_marks(axes, data.quantities(comparison, mode), marks[mode], unit_s)
         if options.quantity == "current":
@@ -80,7 +80,7 @@ def draw(figure: FigureCard, data: ReportData) -> Figure:
     return drawing
 
 
-def _line(axes: Axes, trace: Columns, quantity: Quantity, mark: style.Mark, later: int, unit_s: float) -> None:
+def line(axes: Axes, trace: Columns, quantity: Quantity, mark: style.Mark, later: int, unit_s: float = 3600.0) -> None:
     """Draw one mode, the wider the more modes come later: where they coincide none hides another."""
     moments = trace["Test Time / s"] / unit_s
     if not len(moments):

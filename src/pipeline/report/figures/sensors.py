@@ -62,6 +62,8 @@ def draw(figure: FigureCard, data: ReportData) -> Figure:
                 )  # fmt: skip
         axes.set_xlabel(label)
         axes.set_xmargin(0.12)
+        if column == "time_to_full_s":
+            axes.set_xlim(0.0, 1.3 * factor * float(np.nanmax(table[column][np.isin(table["law"], modes)])))
     names = ["ideal, 1 s"] + [titles.get(name, {}).get("title", name) for name in sensors[1:]]
     fields[0].set_yticks(range(len(sensors)), names)
     fields[0].set_ylim(len(sensors) - 0.5, -0.5)

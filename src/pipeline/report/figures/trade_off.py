@@ -22,6 +22,8 @@ _STOPS = {
     "timer": ("stopped by a timer", style.MARKS[5]),
 }
 _LABELLED = (1.0, 2.0, 4.0, 8.0)
+_HOTTEST_C = 75.0
+"""What gets hotter is cut off: by then the stop has not come, and the cell has vented."""
 _SECONDS_PER_MINUTE = 60.0
 
 
@@ -52,6 +54,8 @@ def draw(figure: FigureCard, data: ReportData) -> Figure:
         axes.set_xscale("log")
         _constants(axes, _where(table, condition, "constant_current"))
         _modes(axes, table, condition, data)
+        axes.set_xmargin(0.09)
+        axes.set_ylim(float(table["peak_temperature_c"].min()) - 4.0, _HOTTEST_C)
         axes.xaxis.set_major_formatter(lambda value, _: f"{value:g}")
         axes.xaxis.set_minor_formatter(lambda value, _: f"{value:g}" if f"{value:e}"[0] in "235" else "")
     for axes in list(fields.flat)[len(conditions) :]:
