@@ -22,8 +22,9 @@ lint: setup-dev ## style, types, workflow
 	$(BIN)/snakefmt --check Snakefile workflow
 	$(BIN)/snakemake --lint
 
-bench: setup-dev ## time the charge engine
+bench: setup-dev ## time the charge engine, and the genetic algorithm against its peers
 	$(BIN)/python benchmarks/edge.py
+	$(BIN)/python -m benchmarks.genetic
 
 accuracy: setup-dev ## the charge engine against a tight solve_ivp, three windows of 60 s
 	$(BIN)/python -m benchmarks.accuracy

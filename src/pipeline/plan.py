@@ -23,6 +23,9 @@ from pipeline.planfile import STEPS, VERSION
 # Files a step reads beside its inputs, relative to the project; their content is part of the key.
 STEP_FILES: dict[str, tuple[str, ...]] = {
     "tuning": ("conf/published/reference/*.csv",),
+    "surface": ("conf/published/reference/nicd_*.csv",),
+    "network": ("conf/published/reference/nicd_*.csv",),
+    "network_size": ("conf/published/reference/nicd_*.csv",),
     "verdicts": ("conf/published/reference/*.csv",),
     "figures": ("src/pipeline/report/*.mplstyle",),
     "page": ("src/pipeline/report/templates/*", "conf/published/reference/*.csv"),
@@ -35,7 +38,12 @@ CHUNK_SIZE = {
     "objective": (1, 32),
     "tuning": (1, 4),
     "search": (1, 8),
-    "charge": (1, 12),
+    "surface": (1, 8),
+    "network": (1, 4),
+    "network_size": (1, 4),
+    "network_kernels": (1, 4),
+    "charge": (4, 12),  # loading the kernels takes as long as a charge or two
+    "trade_off": (1, 4),
     "verdicts": (1, 32),
     "figures": (7, 14),
     "page": (1, 8),
@@ -45,7 +53,8 @@ TARGETS = {
     "panel": ("panel", "supply"),
     "tuning": ("tuning",),
     "search": ("chaos", "objective", "search"),
-    "charges": ("charge",),
+    "network": ("surface", "network", "network_size", "network_kernels"),
+    "charges": ("charge", "trade_off"),
     "figures": ("figures",),
 }
 

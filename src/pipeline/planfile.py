@@ -14,8 +14,9 @@ from pipeline.errors import UserError
 VERSION = 1
 # The order of the steps; a chunk needs only chunks of earlier steps.
 STEPS = (
-    "panel", "supply", "chaos", "objective", "tuning", "search", "engine", "charge", "ensemble", "verdicts", "figures",
-    "page",
+    "panel", "supply", "chaos", "objective", "tuning", "search",
+    "surface", "network", "network_size", "network_kernels", "engine", "charge", "ensemble", "trade_off",
+    "verdicts", "figures", "page",
 )  # fmt: skip
 
 

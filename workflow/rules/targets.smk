@@ -14,6 +14,11 @@ rule search:
         flow.target("search"),
 
 
+rule network:
+    input:
+        flow.target("network"),
+
+
 rule charges:
     input:
         flow.target("charges"),

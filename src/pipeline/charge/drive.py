@@ -9,12 +9,14 @@ from numpy.typing import NDArray
 
 from pipeline.cell.circuit import Cell
 from pipeline.charge.averaged import begin_strides, stride_on
+from pipeline.charge.controller import Control, begin, next_current
 from pipeline.charge.period import EXHAUSTED, Clock, run_periods
 from pipeline.charge.program import Program
 from pipeline.charge.record_keeping import Book, reset_extremes, take_sample
 from pipeline.charge.segment import EDGE, FAILED, LIMITS, NOTHING
 from pipeline.charge.state import DEPTH, TEMPERATURE, Run
 from pipeline.charge.stride import Stride
+from pipeline.charge.watching import NO_PEAK
 from pipeline.jit import kernel
 
 DONE, CIRCUIT_FAILED, STEPS_EXHAUSTED = range(3)
@@ -25,6 +27,7 @@ _ENDLESS = 1 << 62
 def run_program(
     cell: Cell,
     program: Program,
+    control: Control,
     supply_time_s: NDArray[np.float64],
     supply_power_w: NDArray[np.float64],
     run: Run,
@@ -42,6 +45,7 @@ def run_program(
 
     Arguments
     ---------
+    control : what decides the currents of sampled courses.
     supply_time_s, supply_power_w : power at the terminals, constant from each time on, (m,).
     run, book, clock : state to start from, arrays to write into, time.
     strides, own, scratch : what strides need: their record, and clock and book of the periods at their nodes.
@@ -61,11 +65,17 @@ def run_program(
             clock.period_s += program.length_s[course, n]
         run.proposal_s[:] = math.inf
         run.memory[:] = 0.0
+        run.peak_v, run.peak_a = NO_PEAK, 0.0
         begin_strides(strides)
+        sampled = program.sampled[course]
+        if sampled:
+            begin(control)
         reason = NOTHING
         while reason == NOTHING:
             count = _ENDLESS
-            if program.averaged[course]:
+            if sampled:
+                count, program.current_a[course, 0] = 1, next_current(control, run.state[TEMPERATURE])
+            elif program.averaged[course]:
                 count = stride_on(
                     cell,
                     program,

@@ -21,15 +21,17 @@ from pipeline.charge.segment import (
     LIMITS,
     NOTHING,
     TO_CURRENT,
+    WATCHED,
     Demand,
     advance,
     choose_control,
     clear_at_start,
     commit,
     continue_moment,
-    guard_at,
+    guard_at_start,
 )
-from pipeline.charge.state import START, Run
+from pipeline.charge.state import Run
+from pipeline.charge.watching import look_at_start, peak_until, renew_peak
 from pipeline.jit import kernel
 
 EXHAUSTED = -3
@@ -84,6 +86,7 @@ def run_periods(
     time_s, next_sample, periods = clock.time_s, clock.next_sample, clock.periods
     last = periods + count
     limits = program.limits[course]
+    watched = limits[WATCHED] > 0.0
     segments = program.segments[course]
     proposals = run.proposal_s
     reason = NOTHING
@@ -121,8 +124,11 @@ def run_periods(
                     if not choose_control(cell, run, demand):
                         clock.time_s = time_s
                         return FAILED
+                    if watched:
+                        renew_peak(run, demand.current_a)
+                        look_at_start(cell, run, ambient_k)
                     if not clear_at_start(run, limits):
-                        gap, what = guard_at(cell, run, demand, limits, START)
+                        gap, what = guard_at_start(cell, run, demand, limits)
                         if gap <= 0.0 and 0 <= what <= EDGE:
                             reason = what
                             break
@@ -133,6 +139,8 @@ def run_periods(
                 elif not continue_moment(cell, run, demand):
                     clock.time_s = time_s
                     return FAILED
+                if watched:
+                    look_at_start(cell, run, ambient_k)
                 due_s = min(next_sample * interval_s, program.stop_elapsed_s, phase_end_s)
                 if supply + 1 < len(supply_time_s):
                     due_s = min(due_s, supply_time_s[supply + 1])
@@ -150,6 +158,8 @@ def run_periods(
                 if len(book.windows) > 0:
                     write_windows(cell, run, book, time_s, taken_s, length_s)
                 add_step(cell, run, book, taken_s)
+                if watched:
+                    run.peak_v = peak_until(run, 2)
                 commit(run)
                 if first and length_s < math.inf:
                     better = 2.0 * taken_s if factor > 2.9 else taken_s

@@ -13,8 +13,9 @@ from pipeline.cell.circuit import MOST_RELAXATIONS, ZERO_CELSIUS_K, Cell, compil
 from pipeline.cell.records import Battery
 from pipeline.charge import drive
 from pipeline.charge.checks import check
+from pipeline.charge.controller import Control, compile_control
 from pipeline.charge.energy import balance
-from pipeline.charge.period import new_clock
+from pipeline.charge.period import Clock, new_clock
 from pipeline.charge.program import Program, compile_program
 from pipeline.charge.protocol import UNTIL, Protocol, resolve
 from pipeline.charge.record_keeping import PHASE_COLUMNS, SAMPLE_COLUMNS, SUMS, WAVEFORM_COLUMNS, Book
@@ -103,23 +104,9 @@ def run(battery: Battery, mode: Mode, supply: Supply, settings: ChargeSettings, 
     state["state"][:] = start
     book = _book(program, settings, cell)
     book.peak_k[0] = start[TEMPERATURE]
+    control = compile_control(protocol, battery.capacity_in_use_ah)
     clock = new_clock(float(settings.sample_interval_s))
-    status = drive.run_program(
-        cell,
-        program,
-        np.ascontiguousarray(supply.time_s, dtype=np.float64),
-        np.ascontiguousarray(supply.power_w, dtype=np.float64),
-        state,
-        book,
-        clock,
-        new_stride(),
-        new_clock(math.inf),
-        _scratch(),
-        float(start[TEMPERATURE]),
-        float(engine.tolerance),
-        float(engine.maximum_step_s),
-        int(engine.maximum_steps),
-    )
+    status = launch(cell, program, control, supply, state, book, clock, float(start[TEMPERATURE]), engine)
     end_s = float(clock["time_s"])
     if status != drive.DONE:
         problem = "no solution of the circuit" if status == drive.CIRCUIT_FAILED else "the steps are used up"
@@ -128,6 +115,37 @@ def run(battery: Battery, mode: Mode, supply: Supply, settings: ChargeSettings, 
             f"temperature {state['state'][TEMPERATURE] - ZERO_CELSIUS_K:.6g} degC"
         )
     return Outcome(cell, protocol, state, book, start, end_s)
+
+
+def launch(
+    cell: Cell,
+    program: Program,
+    control: Control,
+    supply: Supply,
+    state: Run,
+    book: Book,
+    clock: Clock,
+    ambient_k: float,
+    engine: EngineSettings,
+) -> int:
+    """Run a compiled program from a state; return how it went."""
+    return drive.run_program(
+        cell,
+        program,
+        control,
+        np.ascontiguousarray(supply.time_s, dtype=np.float64),
+        np.ascontiguousarray(supply.power_w, dtype=np.float64),
+        state,
+        book,
+        clock,
+        new_stride(),
+        new_clock(math.inf),
+        _scratch(),
+        ambient_k,
+        float(engine.tolerance),
+        float(engine.maximum_step_s),
+        int(engine.maximum_steps),
+    )
 
 
 def _book(program: Program, settings: ChargeSettings, cell: Cell) -> Book:
@@ -182,6 +200,8 @@ def _reason(outcome: Outcome, row: int) -> str:
         "voltage_v": ("voltage", " V"),
         "current_a": ("current", " A"),
         "temperature_c": ("temperature", " degC"),
+        "voltage_drop_v": ("voltage below its peak by", " V"),
+        "temperature_rate_k_s": ("temperature rate", " K/s"),
     }[name]
     return f"{'stop: ' if code >= LIMITS else ''}{word} {limits[name]:g}{unit}"
 

@@ -18,6 +18,7 @@ class OverTimeOptions(Record):
     """A quantity over the whole charge."""
 
     quantity: Literal["current", "voltage", "soc", "temperature"]
+    time_in: Literal["h", "min", "s"] = Field(default="h", description="unit of the axis of time")
 
 
 class EnlargedOptions(Record):
@@ -49,6 +50,24 @@ class EffectOptions(Record):
     searches: dict[str, str] = Field(min_length=2, description="name of a search -> what it is called here")
 
 
+class NickelChargeOptions(Record):
+    """A charge of a nickel battery, its signs of full marked."""
+
+    mode: str = Field(min_length=1, description="name of the mode")
+    show: tuple[Literal["current", "voltage", "temperature", "rate", "soc"], ...] = Field(
+        default=("voltage", "temperature", "rate"), min_length=1, description="quantities, one field each"
+    )
+    c_rate: float | None = Field(default=None, gt=0, description="constant current whose stops are marked [C-rate]")
+    published_stop_s: float | None = Field(default=None, gt=0, description="when the paper would stop it [s]")
+
+
+class ControllerOptions(Record):
+    """One of the paper's diagrams of the charger."""
+
+    part: Literal["current_source", "loop"]
+    mode: str = Field(default="grnn", min_length=1, description="mode whose controller is drawn")
+
+
 class CircuitOptions(Record):
     """One of the paper's diagrams of the system."""
 
@@ -59,6 +78,7 @@ class CircuitOptions(Record):
 DRAWINGS: dict[str, type[Record]] = {
     "algorithm": NoOptions,
     "array_against_factorial": NoOptions,
+    "charger": ControllerOptions,
     "circuit": CircuitOptions,
     "convergence": ConvergenceOptions,
     "energy": NoOptions,
@@ -68,11 +88,20 @@ DRAWINGS: dict[str, type[Record]] = {
     "logistic_map": NoOptions,
     "loss_over_frequency": NoOptions,
     "map_disorder": NoOptions,
+    "network_convergence": NoOptions,
+    "network_selections": NoOptions,
+    "network_size": NoOptions,
+    "network_surface": NoOptions,
+    "nickel_charge": NickelChargeOptions,
     "over_time": OverTimeOptions,
     "panel_curves": NoOptions,
     "reflex_waveform": WaveformOptions,
     "search_effects": EffectOptions,
+    "sensors": NoOptions,
+    "strings": NoOptions,
     "supply": NoOptions,
+    "trade_off": NoOptions,
+    "two_cells": NoOptions,
 }
 """Every module under `figures` and the record of its options."""
 
@@ -85,11 +114,29 @@ class FigureCard(Record):
     title: str = Field(min_length=1, description="title, for people")
     caption: str = Field(min_length=1, description="what it shows; also its text for those who cannot see it")
     reads: tuple[
-        Literal["modes", "system", "algorithm", "panel", "supply", "chaos", "objective", "tuning", "search", "charge"],
+        Literal[
+            "modes",
+            "system",
+            "algorithm",
+            "panel",
+            "supply",
+            "chaos",
+            "objective",
+            "tuning",
+            "search",
+            "charge",
+            "trade_off",
+            "surface",
+            "network",
+            "network_size",
+            "network_kernels",
+            "second_charge",
+        ],
         ...,
     ] = Field(
         description="the steps whose artefacts it reads; modes: the knobs of the modes; system: panel, converters, "
-        "load and battery as configured; algorithm: the settings of the search"
+        "load and battery as configured; algorithm: the settings of the search; trade_off: its settings too; "
+        "second_charge: the charges of the second battery, without which the figure is left out"
     )
     comparison: str | None = Field(default=None, description="the only comparison it shows; all of them without")
     options: dict[str, Any] = Field(default_factory=dict, description="what the drawing module lets one choose")
