@@ -48,9 +48,9 @@ def by_hand(law, seconds, interval, soc=0.3, step=0.0, span=1):
     """Charge from sample to sample by charges of constant current, deciding here what each one is."""
     from pipeline.cell.circuit import compile_cell
     from pipeline.charge.controller import compile_control
+    from pipeline.charge.period import new_clock
     from pipeline.charge.program import compile_program
     from pipeline.charge.protocol import resolve
-    from pipeline.charge.period import new_clock
     from pipeline.charge.simulate import _book, launch
     from pipeline.charge.state import new_run
 

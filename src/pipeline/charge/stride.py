@@ -142,7 +142,8 @@ def at_node_fraction(a: float, b: float, c: float, theta: float) -> float:
     """Return the quadratic through three values at the nodes."""
     total = a * (LAGRANGE[0, 0] + theta * (LAGRANGE[1, 0] + theta * LAGRANGE[2, 0]))
     total += b * (LAGRANGE[0, 1] + theta * (LAGRANGE[1, 1] + theta * LAGRANGE[2, 1]))
-    return total + c * (LAGRANGE[0, 2] + theta * (LAGRANGE[1, 2] + theta * LAGRANGE[2, 2]))
+    total += c * (LAGRANGE[0, 2] + theta * (LAGRANGE[1, 2] + theta * LAGRANGE[2, 2]))
+    return float(total)
 
 
 @kernel
