@@ -1,6 +1,7 @@
 """The `averaged` driver: strides over many periods, each made of a few periods that are really run.
 
-Between strides, where a stride would be short, near stops and in windows, periods run one by one.
+Which period to run next is decided here; running it is the driver's, by the same function as every other. Between
+strides, where one would be short, near stops and in windows, periods run one by one.
 """
 
 from __future__ import annotations
@@ -11,45 +12,21 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pipeline.cell.circuit import Cell
-from pipeline.cell.relaxation import NODES
 from pipeline.charge.coupling import correct, keep_slope, nudge
 from pipeline.charge.dense import serve
-from pipeline.charge.period import Clock, run_periods
+from pipeline.charge.measured import keep_period, learn, measure, meets_stop, predict, stride_error
+from pipeline.charge.period import Clock
 from pipeline.charge.program import Program
-from pipeline.charge.record_keeping import CHARGE_IN, CHARGE_OUT, ENERGY_IN, ENERGY_OUT, Book, reset_extremes
+from pipeline.charge.record_keeping import Book, reset_extremes
 from pipeline.charge.segment import NOTHING
-from pipeline.charge.state import (
-    DEPTH,
-    ELECTRICAL,
-    HYSTERESIS,
-    HYSTERESIS_HEAT,
-    PAIR_HEAT,
-    RELAXATIONS,
-    REVERSIBLE_HEAT,
-    SERIES_HEAT,
-    SIDE_HEAT,
-    TEMPERATURE,
-    TO_AMBIENT,
-    TRANSFER_HEAT,
-    Run,
-)
-from pipeline.charge.stride import (
-    CHANGES,
-    END,
-    FIRST,
-    GAINS_FROM,
-    PEAK_K,
-    TRIED,
-    Stride,
-    at_node_fraction,
-    copy,
-    highest,
-    keep_ratios,
-    move,
-    weigh,
-)
+from pipeline.charge.state import DEPTH, RELAXATIONS, Run
+from pipeline.charge.stride import END, FIRST, TRIED, Stride, copy, move, weigh
 from pipeline.jit import inlined, kernel
 
+# What a stride is at: nothing, its first period, those at its nodes, those that tell slopes.
+_IDLE, _AT_START, _AT_NODES, _AT_SLOPES = range(4)
+# What to do next.
+_RUN, _ATTEMPT, _CORRECT, _TELL_SLOPES, _FINISH, _SHORTEN, _REFUSE = range(7)
 # Periods of the shortest stride: it runs about nine.
 _FEWEST = 16
 _SETTLING = 4
@@ -58,22 +35,20 @@ _ITERATIONS = 12
 _CLOSED = 1e-2
 # An iteration that leaves more than this of its mismatch gets new slopes.
 _SLOW = 0.2
-# What the quadratics miss at the start of a stride, where it is known, weighs this much.
-_SHARE = 1e-2
+_MUCH_SHORTER = 0.3
 
 
 @inlined
 def begin_strides(stride: Stride) -> None:
     """Forget what was found in another course."""
-    stride.proposal, stride.last, stride.sloped = 0.0, 0, 0
+    stride.proposal, stride.last, stride.sloped, stride.phase = 0.0, 0, 0, _IDLE
 
 
 @kernel
-def stride_on(
+def next_periods(
     cell: Cell,
     program: Program,
     supply_time_s: NDArray[np.float64],
-    supply_power_w: NDArray[np.float64],
     run: Run,
     book: Book,
     clock: Clock,
@@ -81,70 +56,90 @@ def stride_on(
     own: Clock,
     scratch: Book,
     course: int,
-    ambient_k: float,
+    ended: int,
     tolerance: float,
     maximum_step_s: float,
-    maximum_steps: int,
 ) -> int:
-    """Stride on as far as strides go; return how many periods to run one by one then."""
+    """Return how many periods to run one by one; 0 is one period of a stride, with its own clock and scratch book.
+
+    Arguments
+    ---------
+    ended : what ended the stride's period that was run last, if one was.
+    """
+    todo = _RUN
+    if stride.phase != _IDLE:
+        todo = _take_in(cell, run, stride, scratch, clock.period_s, ended, tolerance)
+        while todo != _RUN and todo != _REFUSE:
+            if todo == _FINISH:
+                todo = _finish(cell, program, stride, course, tolerance)
+                if todo == _RUN:
+                    _accept(cell, program, run, book, clock, stride, course)
+            elif todo == _SHORTEN:
+                stride.count = int(stride.count * min(stride.factor, 0.8))
+                todo = _ATTEMPT if stride.count >= _FEWEST else _REFUSE
+            elif todo == _TELL_SLOPES:
+                stride.phase, stride.part, stride.at = _AT_SLOPES, 0, TRIED
+                nudge(stride, 0)
+                todo = _RUN
+            else:
+                if todo == _ATTEMPT:
+                    weigh(stride, stride.count)
+                    predict(stride)
+                    stride.iteration, stride.fresh, stride.mismatch = 0, 0, math.inf
+                    stride.tried += 1
+                else:
+                    correct(stride)
+                    stride.iteration += 1
+                stride.factor = _MUCH_SHORTER
+                todo = _RUN if stride.iteration < _ITERATIONS and _place_nodes(stride) else _SHORTEN
+        if todo == _REFUSE:
+            _restore(run, stride)
+            stride.proposal, stride.last = _FEWEST, 0
+            return _FEWEST
+    if stride.phase == _IDLE:
+        alone = _begin(cell, program, supply_time_s, run, book, clock, stride, own, maximum_step_s)
+        if alone > 0:
+            return alone
+    copy(run.state, stride.place[stride.at])
+    scratch.sums[:] = 0.0
+    scratch.recent_gains[:] = 0.0
+    scratch.peak_k[0] = 0.0
+    reset_extremes(scratch)
+    own.time_s, own.periods, stride.changes_before = 0.0, 0, run.changes
+    return 0
+
+
+@inlined
+def _begin(
+    cell: Cell,
+    program: Program,
+    supply_time_s: NDArray[np.float64],
+    run: Run,
+    book: Book,
+    clock: Clock,
+    stride: Stride,
+    own: Clock,
+    maximum_step_s: float,
+) -> int:
+    """Prepare the first period of a stride; return how many periods to run one by one where there is none."""
     if stride.proposal == 0.0:
         stride.proposal = _FEWEST
         return _SETTLING
-    period_s = clock.period_s
-    while True:
-        room, busy = _room(program, supply_time_s, book, clock)
-        if busy > 0:
-            stride.last = 0
-            return busy
-        if room < _FEWEST:
-            stride.last = 0
-            stride.proposal = _FEWEST
-            return max(room, 0) + 3
-        longest = max(float(_FEWEST), maximum_step_s / period_s)
-        count = int(min(float(room), longest, stride.proposal))
-        own.period_s, own.supply, own.group = period_s, clock.supply, clock.group
-        own.sample_interval_s = own.phase_end_s = math.inf
-        own.course_start_s, own.next_sample = 0.0, 1
-        edges, changes = run.edges, run.changes
-        copy(stride.before, run.state)
-        taken = 0
-        copy(stride.place[FIRST], run.state)
-        stride.ratio[HYSTERESIS] = 0.0
-        stride.parts = RELAXATIONS + cell.relaxations
-        # fmt: off
-        if run_one(cell, program, supply_time_s, supply_power_w, run, stride, own, scratch, course, FIRST, ambient_k,
-                   tolerance, maximum_step_s, maximum_steps):
-            added = stride.added[FIRST]
-            moved = (added[CHARGE_IN] + added[CHARGE_OUT]) * cell.per_as
-            keep_ratios(cell, stride, period_s, moved)
-            measure(cell, run, stride, FIRST)
-            set_scales(cell, stride, period_s)
-            while count >= _FEWEST:
-                weigh(cell, stride, count, period_s)
-                predict(stride, count)
-                stride.tried += 1
-                factor = 0.3
-                if solve(cell, program, supply_time_s, supply_power_w, run, stride, own, scratch, course, ambient_k,
-                         tolerance, maximum_step_s, maximum_steps) and not _meets(program, stride, course):
-                    error = stride_error(cell, stride, count) / tolerance
-                    factor = min(4.0, max(0.2, 0.9 * error ** (-1.0 / 3.0))) if error > 0.0 else 4.0
-                    if error < 1.0:
-                        taken = count
-                        stride.proposal = max(count * factor, float(_FEWEST))
-                        break
-                count = int(count * min(factor, 0.8))
-        # fmt: on
-        run.edges, run.changes = edges, changes
-        copy(run.state, stride.before)
-        if taken == 0:
-            stride.proposal, stride.last = _FEWEST, 0
-            return _FEWEST
-        serve(cell, run, book, clock, stride, taken)
-        for j in range(3):
-            copy(stride.past[j], stride.forcing[j])
-        stride.last = taken
-        stride.taken += 1
-        run.edges += taken * program.segments[course]
+    room, seen = _room(program, supply_time_s, book, clock)
+    if room < _FEWEST:
+        stride.proposal, stride.last = _FEWEST, 0
+        return max(seen, room + 3, 1)
+    longest = max(float(_FEWEST), maximum_step_s / clock.period_s)
+    stride.count = int(min(float(room), longest, stride.proposal))
+    own.period_s, own.supply, own.next_sample = clock.period_s, clock.supply, 1
+    own.sample_interval_s = own.phase_end_s = math.inf
+    own.course_start_s = 0.0
+    stride.edges_before, stride.all_changes = run.edges, run.changes
+    stride.phase, stride.at = _AT_START, FIRST
+    stride.parts = RELAXATIONS + cell.relaxations
+    copy(stride.before, run.state)
+    copy(stride.place[FIRST], run.state)
+    return 0
 
 
 @inlined
@@ -163,190 +158,92 @@ def _room(program: Program, supply_time_s: NDArray[np.float64], book: Book, cloc
     return int(min((until_s - time_s) / period_s, 1e15)) - 1, 0
 
 
-@kernel
-def run_one(
-    cell: Cell,
-    program: Program,
-    supply_time_s: NDArray[np.float64],
-    supply_power_w: NDArray[np.float64],
-    run: Run,
-    stride: Stride,
-    own: Clock,
-    scratch: Book,
-    course: int,
-    row: int,
-    ambient_k: float,
-    tolerance: float,
-    maximum_step_s: float,
-    maximum_steps: int,
-) -> bool:
-    """Run a period from the state in a row of places and keep what it added; False where anything ends the course."""
-    copy(run.state, stride.place[row])
-    scratch.sums[:] = 0.0
-    scratch.recent_gains[:] = 0.0
-    scratch.peak_k[0] = 0.0
-    reset_extremes(scratch)
-    own.time_s, own.periods = 0.0, 0
-    changes = run.changes
-    reason = run_periods(
-        cell,
-        program,
-        supply_time_s,
-        supply_power_w,
-        run,
-        scratch,
-        own,
-        course,
-        1,
-        ambient_k,
-        tolerance,
-        maximum_step_s,
-        maximum_steps,
-    )
-    added, seen = stride.added[row], stride.seen[row]
-    copy(added, scratch.sums)
-    copy(added[GAINS_FROM:], scratch.recent_gains)
-    added[CHANGES] = run.changes - changes
-    copy(seen, scratch.extremes)
-    seen[PEAK_K] = scratch.peak_k[0]
-    return bool(reason == NOTHING)
+@inlined
+def _take_in(cell: Cell, run: Run, stride: Stride, scratch: Book, period_s: float, ended: int, tolerance: float) -> int:
+    """Take in the period just run; return what to do next."""
+    if ended != NOTHING:
+        stride.factor = _MUCH_SHORTER
+        return _REFUSE if stride.phase == _AT_START else _SHORTEN
+    keep_period(run, scratch, stride)
+    if stride.phase == _AT_START:
+        learn(cell, run, stride, period_s)
+        return _ATTEMPT
+    measure(cell, run, stride)
+    if stride.phase == _AT_NODES:
+        stride.at += 1
+        return _RUN if stride.at < FIRST else _judge(stride, tolerance)
+    keep_slope(stride, stride.part)
+    stride.part += 1
+    if stride.part < stride.parts:
+        nudge(stride, stride.part)
+        return _RUN
+    stride.sloped, stride.fresh = 1, 1
+    return _CORRECT
 
 
 @inlined
-def measure(cell: Cell, run: Run, stride: Stride, row: int) -> None:
-    """Write what the period just run added to each part of the state."""
-    place, measured = stride.place[row], stride.measured[row]
-    for k in range(stride.parts):
-        measured[k] = run.state[k] - math.exp(-stride.ratio[k]) * place[k]
-    # From the sums themselves, not from the small difference of two temperatures.
-    gains = stride.added[row, GAINS_FROM:]
-    measured[TEMPERATURE] = (_heat_of(cell, gains, False) - gains[TO_AMBIENT]) / cell.heat_capacity_j_k
+def _place_nodes(stride: Stride) -> bool:
+    """Place the nodes where the forcings lead; False where more is charged than there is room for."""
+    stride.phase, stride.at = _AT_NODES, 0
+    for j in range(3):
+        move(stride, j)
+    place = stride.place
+    return bool(min(place[0, DEPTH], min(place[1, DEPTH], place[2, DEPTH])) > 0.0)
 
 
 @inlined
-def _heat_of(cell: Cell, gains: NDArray[np.float64], magnitudes: bool) -> float:
-    heat = 0.0
-    for path in (SERIES_HEAT, TRANSFER_HEAT, REVERSIBLE_HEAT, SIDE_HEAT, HYSTERESIS_HEAT):
-        heat += abs(gains[path]) if magnitudes else gains[path]
-    for k in range(cell.pairs + cell.acceptance):
-        heat += gains[PAIR_HEAT + k]
-    return float(heat)
+def _judge(stride: Stride, tolerance: float) -> int:
+    """Compare what the nodes measured with the forcings that led to them."""
+    before, mismatch = stride.mismatch, 0.0
+    for j in range(3):
+        for k in range(stride.parts):
+            gap = abs(stride.measured[j, k] - stride.forcing[j, k]) / stride.scale[k]
+            mismatch = gap if not gap <= mismatch else mismatch
+    stride.mismatch, stride.factor = mismatch, _MUCH_SHORTER
+    if not math.isfinite(mismatch):
+        return _SHORTEN
+    if mismatch <= _CLOSED * tolerance:
+        return _FINISH
+    if mismatch > _SLOW * before:
+        if stride.fresh == 0:
+            return _TELL_SLOPES
+        if mismatch > before and stride.iteration > 2:
+            return _SHORTEN
+    return _CORRECT
 
 
 @inlined
-def set_scales(cell: Cell, stride: Stride, period_s: float) -> None:
-    """Write the scale of what a period adds to each part of the state, and by how much to nudge each for slopes."""
-    added, scale, step = stride.added[FIRST], stride.scale, stride.nudge
-    gains = added[GAINS_FROM:]
-    moved_as = added[CHARGE_IN] + added[CHARGE_OUT] + 1e-12 * cell.charge_as
-    ohmic_v = gains[SERIES_HEAT] / (cell.cells * moved_as) + 1e-4
-    scale[DEPTH] = moved_as * cell.per_as
-    scale[TEMPERATURE] = (_heat_of(cell, gains, True) + 1e-6 * moved_as) / cell.heat_capacity_j_k
-    scale[HYSTERESIS] = -math.expm1(-stride.ratio[HYSTERESIS]) * ohmic_v + 1e-300
-    step[DEPTH], step[TEMPERATURE], step[HYSTERESIS] = min(1e-4, 1e-3 * stride.before[DEPTH]), 1e-2, 1e-2 * ohmic_v
-    for k in range(cell.relaxations):
-        unit = ohmic_v if k < cell.pairs + cell.acceptance else moved_as / period_s
-        scale[RELAXATIONS + k] = -math.expm1(-stride.ratio[RELAXATIONS + k]) * unit
-        step[RELAXATIONS + k] = 1e-2 * unit
+def _finish(cell: Cell, program: Program, stride: Stride, course: int, tolerance: float) -> int:
+    """Take what was measured for the forcings; return `_RUN` where the stride is good."""
+    for j in range(3):
+        for k in range(stride.parts):
+            stride.forcing[j, k] = stride.measured[j, k]
+    move(stride, END)
+    stride.factor = _MUCH_SHORTER
+    if not stride.place[END, DEPTH] > 0.0 or meets_stop(program, stride, course):
+        return _SHORTEN
+    error = stride_error(cell, stride) / tolerance
+    stride.factor = min(4.0, max(0.2, 0.9 * error ** (-1.0 / 3.0))) if error > 0.0 else 4.0
+    return _RUN if error < 1.0 else _SHORTEN
 
 
 @inlined
-def predict(stride: Stride, count: int) -> None:
-    """Guess the forcings: those of the last stride extrapolated, through what the first period measured."""
-    past, last = stride.past, float(stride.last)
-    for k in range(stride.parts):
-        a, b, c, first = past[0, k], past[1, k], past[2, k], stride.measured[FIRST, k]
-        stride.forcing[:, k] = first
-        if last > 0.0 and count <= 2.0 * last:
-            known = at_node_fraction(a, b, c, 1.0 + 0.5 / last)
-            for j in range(3):
-                theta = 1.0 + NODES[j] * count / last
-                stride.forcing[j, k] = first + at_node_fraction(a, b, c, theta) - known
-
-
-@kernel
-def solve(
-    cell: Cell,
-    program: Program,
-    supply_time_s: NDArray[np.float64],
-    supply_power_w: NDArray[np.float64],
-    run: Run,
-    stride: Stride,
-    own: Clock,
-    scratch: Book,
-    course: int,
-    ambient_k: float,
-    tolerance: float,
-    maximum_step_s: float,
-    maximum_steps: int,
-) -> bool:
-    """Find the forcings that the periods at the nodes, begun where these lead, really measure; True when found."""
-    before, fresh = math.inf, False
-    # fmt: off
-    for iteration in range(_ITERATIONS):
-        mismatch = 0.0
-        for j in range(3):
-            move(stride, j)
-            if not stride.place[j, DEPTH] > 0.0:
-                return False
-            if not run_one(cell, program, supply_time_s, supply_power_w, run, stride, own, scratch, course, j,
-                           ambient_k, tolerance, maximum_step_s, maximum_steps):
-                return False
-            measure(cell, run, stride, j)
-            for k in range(stride.parts):
-                mismatch = max(mismatch, abs(stride.measured[j, k] - stride.forcing[j, k]) / stride.scale[k])
-        if not math.isfinite(mismatch):
-            return False
-        if mismatch <= _CLOSED * tolerance:
-            for j in range(3):
-                for k in range(stride.parts):
-                    stride.forcing[j, k] = stride.measured[j, k]
-            move(stride, END)
-            return bool(stride.place[END, DEPTH] > 0.0)
-        if mismatch > _SLOW * before:
-            if fresh and mismatch > before and iteration > 2:
-                return False
-            if not fresh:
-                for k in range(stride.parts):
-                    nudge(stride, k)
-                    if not run_one(cell, program, supply_time_s, supply_power_w, run, stride, own, scratch, course,
-                                   TRIED, ambient_k, tolerance, maximum_step_s, maximum_steps):
-                        return False
-                    measure(cell, run, stride, TRIED)
-                    keep_slope(stride, k)
-                stride.sloped, fresh = 1, True
-        before = mismatch
-        correct(stride)
-    # fmt: on
-    return False
+def _restore(run: Run, stride: Stride) -> None:
+    """Leave the run as it was before the stride."""
+    run.edges, run.changes = stride.edges_before, stride.all_changes
+    copy(run.state, stride.before)
+    stride.phase = _IDLE
 
 
 @inlined
-def _meets(program: Program, stride: Stride, course: int) -> bool:
-    """Tell whether a voltage or temperature that stops the charge may lie between the nodes."""
-    limits, seen = program.limits[course], stride.seen
-    volt = highest(seen[0, 1], seen[1, 1], seen[2, 1])
-    warm = highest(seen[0, PEAK_K], seen[1, PEAK_K], seen[2, PEAK_K])
-    return bool(volt >= min(limits[1], limits[5]) or warm >= min(limits[3], limits[7]))
-
-
-@inlined
-def stride_error(cell: Cell, stride: Stride, count: int) -> float:
-    """Return the error of a stride in units of its own sums, per unit of tolerance 1.
-
-    The quadratics through what the nodes add, extrapolated to the start, against the period run there.
-    """
-    added = stride.added
-    first = added[FIRST]
-    moved_as = first[CHARGE_IN] + first[CHARGE_OUT] + 1e-12 * cell.charge_as
-    energy_j = first[ENERGY_IN] + first[ENERGY_OUT] + 1e-12 * cell.charge_as
-    charge = _miss(added[:, CHARGE_IN], count) - _miss(added[:, CHARGE_OUT], count)
-    electrical = _miss(added[:, GAINS_FROM + ELECTRICAL], count)
-    depth = _miss(stride.measured[:, DEPTH], count) / stride.scale[DEPTH]
-    warmth = _miss(stride.measured[:, TEMPERATURE], count) / stride.scale[TEMPERATURE]
-    return float(_SHARE * max(max(abs(charge) / moved_as, abs(electrical) / energy_j), max(abs(depth), abs(warmth))))
-
-
-@inlined
-def _miss(values: NDArray[np.float64], count: int) -> float:
-    return float(at_node_fraction(values[0], values[1], values[2], 0.5 / count) - values[FIRST])
+def _accept(cell: Cell, program: Program, run: Run, book: Book, clock: Clock, stride: Stride, course: int) -> None:
+    """Make the end of the stride the state of the run, and write what fell due in it."""
+    count = stride.count
+    _restore(run, stride)
+    serve(cell, run, book, clock, stride, count)
+    for j in range(3):
+        copy(stride.past[j], stride.forcing[j])
+    stride.proposal = max(count * stride.factor, float(_FEWEST))
+    stride.last = count
+    stride.taken += 1
+    run.edges += count * program.segments[course]

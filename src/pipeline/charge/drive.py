@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pipeline.cell.circuit import Cell
-from pipeline.charge.averaged import begin_strides, stride_on
+from pipeline.charge.averaged import begin_strides, next_periods
 from pipeline.charge.controller import Control, begin, next_current
 from pipeline.charge.period import EXHAUSTED, Clock, run_periods
 from pipeline.charge.program import Program
@@ -70,44 +70,23 @@ def run_program(
         sampled = program.sampled[course]
         if sampled:
             begin(control)
-        reason = NOTHING
+        reason = ended = NOTHING
         while reason == NOTHING:
             count = _ENDLESS
             if sampled:
                 count, program.current_a[course, 0] = 1, next_current(control, run.state[TEMPERATURE])
             elif program.averaged[course]:
-                count = stride_on(
-                    cell,
-                    program,
-                    supply_time_s,
-                    supply_power_w,
-                    run,
-                    book,
-                    clock,
-                    strides,
-                    own,
-                    scratch,
-                    course,
-                    ambient_k,
-                    tolerance,
+                count = next_periods(
+                    cell, program, supply_time_s, run, book, clock, strides, own, scratch, course, ended, tolerance,
                     maximum_step_s,
-                    maximum_steps,
-                )
-            reason = run_periods(
-                cell,
-                program,
-                supply_time_s,
-                supply_power_w,
-                run,
-                book,
-                clock,
-                course,
-                count,
-                ambient_k,
-                tolerance,
-                maximum_step_s,
-                maximum_steps,
-            )
+                )  # fmt: skip
+            of_stride = count == 0
+            ended = run_periods(
+                cell, program, supply_time_s, supply_power_w, run, scratch if of_stride else book,
+                own if of_stride else clock, course, max(count, 1), ambient_k, tolerance, maximum_step_s, maximum_steps,
+            )  # fmt: skip
+            if not of_stride:
+                reason = ended
         if reason == FAILED:
             return CIRCUIT_FAILED
         if reason == EXHAUSTED:

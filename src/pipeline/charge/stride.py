@@ -50,6 +50,17 @@ STRIDE = np.dtype(
         ("shift", np.float64, (3, 3)),
         ("nudge", np.float64, (PARTS,)),
         ("proposal", np.float64),
+        ("factor", np.float64),
+        ("mismatch", np.float64),
+        ("phase", np.int64),
+        ("at", np.int64),
+        ("part", np.int64),
+        ("count", np.int64),
+        ("iteration", np.int64),
+        ("fresh", np.int64),
+        ("edges_before", np.int64),
+        ("all_changes", np.int64),
+        ("changes_before", np.int64),
         ("last", np.int64),
         ("parts", np.int64),
         ("sloped", np.int64),
@@ -76,7 +87,7 @@ def new_stride() -> Stride:
 
 
 @kernel
-def weigh(cell: Cell, stride: Stride, count: int, period_s: float) -> None:
+def weigh(stride: Stride, count: int) -> None:
     """Compute the weights of a stride over so many periods."""
     for k in range(stride.parts):
         z = stride.ratio[k]
