@@ -14,14 +14,7 @@ from numpy.typing import NDArray
 
 from pipeline.cell.circuit import ZERO_CELSIUS_K
 from pipeline.objective.staging_grid import ORDER, Grid
-from pipeline.objective.staging_kernel import (
-    FOUND,
-    STAGE_END_K,
-    STAGE_END_V,
-    STAGE_PEAK_K,
-    STAGE_PEAK_V,
-    charge_stages,
-)
+from pipeline.objective.staging_kernel import END_K, END_V, FOUND, PEAK_K, PEAK_V, charge_stages
 from pipeline.objective.staging_records import Currents, Reading, Weights
 
 Array = NDArray[np.float64]
@@ -41,6 +34,10 @@ class Charges(NamedTuple):
     """Highest voltage within each stage [V], (n, s)."""
     end_v: Array
     """Voltage at the end of each stage [V], (n, s)."""
+    piece_end_k: Array
+    """Rise at the end of each piece of the grid [K], (n, p)."""
+    piece_peak_k: Array
+    """Highest rise within each piece of the grid [K], (n, p)."""
 
     @property
     def time_s(self) -> Array:
@@ -93,15 +90,18 @@ def charge(grid: Grid, currents: Array) -> Charges:
         raise ValueError(f"currents have the shape {asked.shape}; allowed is (n, {stages})")
     if asked.size and not asked.min() >= grid.slowest_a * (1.0 - 1e-12):
         raise ValueError(f"a current of {asked.min():g} A; the grid is made for {grid.slowest_a:g} A and more")
-    found = np.zeros((len(asked), stages, FOUND))
-    charge_stages(grid, asked, np.zeros((4, ORDER + 2)), np.zeros(len(grid.tau_s)), found)
-    charge_as = np.bincount(grid.stage, weights=grid.charge_as)
+    pieces = np.zeros((len(asked), len(grid.stage), FOUND))
+    charge_stages(grid, asked, np.zeros((4, ORDER + 2)), np.zeros(len(grid.tau_s)), pieces)
+    first = np.searchsorted(grid.stage, np.arange(stages))
+    ends, peaks = pieces[:, np.append(first[1:], len(grid.stage)) - 1], np.maximum.reduceat(pieces, first, axis=1)
     return Charges(
-        charge_as / asked,
-        found[:, :, STAGE_END_K],
-        found[:, :, STAGE_PEAK_K],
-        found[:, :, STAGE_PEAK_V],
-        found[:, :, STAGE_END_V],
+        stage_s=np.add.reduceat(grid.charge_as, first) / asked,
+        end_k=ends[:, :, END_K],
+        peak_k=peaks[:, :, PEAK_K],
+        peak_v=peaks[:, :, PEAK_V],
+        end_v=ends[:, :, END_V],
+        piece_end_k=pieces[:, :, END_K],
+        piece_peak_k=pieces[:, :, PEAK_K],
     )
 
 

@@ -36,8 +36,8 @@ def _barycentric() -> Array:
 _INTEGRALS = _integration()
 _BARYCENTRIC = _barycentric()
 
-STAGE_END_K, STAGE_PEAK_K, STAGE_PEAK_V, STAGE_END_V = range(4)
-"""Columns of what is found of each stage: rise at its end and highest rise [K], highest and last voltage [V]."""
+END_K, PEAK_K, END_V, PEAK_V = range(4)
+"""Columns of what is found of each piece: rise at its end and highest rise [K], last and highest voltage [V]."""
 FOUND = 4
 
 
@@ -85,17 +85,16 @@ def charge_stages(grid: Grid, currents: Array, room: Array, pair_v: Array, found
     grid : battery and stages.
     currents : of the battery [A], (n, stages).
     room, pair_v : to work in, (4, ORDER + 2) and (pairs,).
-    found : is written, (n, stages, FOUND).
+    found : is written, (n, pieces, FOUND).
     """
     forcing, rise, decay, volts = room[0], room[1], room[2], room[3]
     per_heat = grid.cells / grid.heat_capacity_j_k
     cooling = 1.0 / (grid.heat_capacity_j_k * grid.thermal_resistance_k_w)
     for n in range(len(currents)):
-        warm, last = 0.0, -1
+        warm = 0.0
         pair_v[:] = 0.0
         for p in range(len(grid.stage)):
-            stage = grid.stage[p]
-            current = currents[n, stage]
+            current = currents[n, grid.stage[p]]
             length_s = grid.charge_as[p] / current
             to_rise = per_heat * length_s
             for j in range(_PLACES):
@@ -116,12 +115,9 @@ def charge_stages(grid: Grid, currents: Array, room: Array, pair_v: Array, found
             for j in range(_PLACES):
                 volts[j] = grid.cells * (volts[j] + grid.entropic[p, j] * rise[j])
             warm = rise[_END]
-            row = found[n, stage]
-            peak_k, peak_v = _highest(rise), _highest(volts)
-            row[STAGE_PEAK_K] = peak_k if stage != last else max(row[STAGE_PEAK_K], peak_k)
-            row[STAGE_PEAK_V] = peak_v if stage != last else max(row[STAGE_PEAK_V], peak_v)
-            row[STAGE_END_K], row[STAGE_END_V] = warm, volts[_END]
-            last = stage
+            row = found[n, p]
+            row[END_K], row[PEAK_K] = warm, _highest(rise)
+            row[END_V], row[PEAK_V] = volts[_END], _highest(volts)
 
 
 @inlined

@@ -105,10 +105,13 @@ def _best(
     return Optimum(found[best][0], value + constant, share)
 
 
-def _later_peaks(found: Charges) -> Array:
-    """Return the highest rise of each stage, its start left out: that is the end of the stage before."""
-    begins = np.concatenate([np.zeros((len(found.end_k), 1)), found.end_k[:, :-1]], axis=1)
-    return np.where(found.peak_k > begins, found.peak_k, found.end_k)
+def _peaks(found: Charges) -> Array:
+    """Return the highest rise of each piece of the grid; where that is its start, the end of the one before, its end.
+
+    A row for each piece, not for each stage: of two maxima of one stage the solver would see only the higher.
+    """
+    begins = np.concatenate([np.zeros((len(found.end_k), 1)), found.piece_end_k[:, :-1]], axis=1)
+    return np.where(found.piece_peak_k > begins, found.piece_peak_k, found.piece_end_k)
 
 
 def _solve(
@@ -127,7 +130,7 @@ def _solve(
 
     def limited(times: Array) -> Array:
         found = charged(times)
-        rises = {"final": found.end_k[:, -1:], "peak": _later_peaks(found), "positive": found.stage_rise_k}[problem.reading]
+        rises = {"final": found.end_k[:, -1:], "peak": _peaks(found), "positive": found.stage_rise_k}[problem.reading]
         volts = 10.0 * (limits.voltage_v - found.peak_v)
         return np.concatenate([-rises, volts, warmest - found.peak_k], axis=1)
 
