@@ -13,11 +13,12 @@ from pipeline.planfile import command
 from pipeline.published.records import needs
 from pipeline.record import Record
 from pipeline.search_phases import FINDERS, SECTION_OF, finders
+from pipeline.staging_phases import staging
 
 
 def drafts(study: Study) -> list[Draft]:
     """Return the nodes of a study, inputs before those that read them."""
-    nodes = [with_found(node) for node in (*_supply(study), *finders(study), *_charges(study), *_ensemble(study))]
+    nodes = [with_found(node) for node in (*_supply(study), *finders(study), *staging(study), *_charges(study), *_ensemble(study))]
     nodes = needed(nodes, FINDERS)
     nodes += _verdicts(study, nodes)
     nodes += _figures(study, nodes)
@@ -241,7 +242,7 @@ def _named(records: Mapping[str, Record]) -> list[dict[str, Any]]:
     return [{"name": name, **plain(record)} for name, record in records.items()]
 
 
-_SHOWN = frozenset({"panel", "supply", "chaos", "objective", "tuning", "search", "charge", "verdicts", "figures"})
+_SHOWN = frozenset({"panel", "supply", "chaos", "objective", "tuning", "search", "charge", "staging", "front", "verdicts", "figures"})
 
 
 def _page(study: Study, nodes: list[Draft]) -> Iterator[Draft]:

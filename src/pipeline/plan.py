@@ -35,6 +35,9 @@ CHUNK_SIZE = {
     "objective": (1, 32),
     "tuning": (1, 4),
     "search": (1, 8),
+    "staging_search": (3, 9),
+    "staging": (1, 8),
+    "front": (1, 8),
     "charge": (1, 12),
     "verdicts": (1, 32),
     "figures": (7, 14),
@@ -45,6 +48,7 @@ TARGETS = {
     "panel": ("panel", "supply"),
     "tuning": ("tuning",),
     "search": ("chaos", "objective", "search"),
+    "staging": ("staging_search", "staging", "front"),
     "charges": ("charge",),
     "figures": ("figures",),
 }

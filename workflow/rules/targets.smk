@@ -14,6 +14,11 @@ rule search:
         flow.target("search"),
 
 
+rule staging:
+    input:
+        flow.target("staging"),
+
+
 rule charges:
     input:
         flow.target("charges"),

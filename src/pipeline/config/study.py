@@ -13,7 +13,7 @@ from pipeline.cell.records import Battery
 from pipeline.charge import checks as charge_checks
 from pipeline.charge.ensemble import EnsembleSettings
 from pipeline.charge.records import ChargeSettings, EngineSettings, Mode
-from pipeline.config import searching
+from pipeline.config import searching, staged
 from pipeline.config.compose import CONF, Composed, options
 from pipeline.config.messages import explain
 from pipeline.config.sources import Source, attribute, leaves, split
@@ -21,6 +21,7 @@ from pipeline.converter import checks as supply_checks
 from pipeline.converter.records import Load, PowerChain
 from pipeline.errors import UserError, best_matches
 from pipeline.objective.records import ReflexFrequency
+from pipeline.objective.staging_records import Staging
 from pipeline.panel.records import Panel, PanelCurveSettings, Weather
 from pipeline.published import checks as published_checks
 from pipeline.published.names import found_quantities
@@ -44,6 +45,7 @@ RESERVED = frozenset(
         "receipts",
         "report",
         "search",
+        "staging",
         "store",
         "tuning",
     }
@@ -98,6 +100,8 @@ class Study(Record):
     design: Design | None = Field(default=None, description="parameter design that tunes the search")
     search: AnySettings | None = Field(default=None, description="the search whose result others may ask for")
     oracle: AnySettings | None = Field(default=None, description="the sweep it is held against")
+    staging: Staging | None = Field(default=None, description="search for the currents of a staged charge")
+    calibrations: dict[str, Battery] = Field(default_factory=dict, description="batteries it is repeated on, by name")
     figures: dict[str, FigureCard] = Field(default_factory=dict)
     published: dict[str, Statement] = Field(default_factory=dict)
     sources: dict[str, Source] = Field(default_factory=dict)
@@ -106,7 +110,7 @@ class Study(Record):
 
     def parameter_sections(self) -> tuple[str, ...]:
         """Return the key paths below which every number is a physical parameter with a source."""
-        return sections(tuple(self.modes))
+        return sections(tuple(self.modes), tuple(self.calibrations))
 
     def parameters(self, section: str) -> Iterator[tuple[str, Any]]:
         """Yield key path and value of every parameter below a section."""
@@ -116,8 +120,8 @@ class Study(Record):
         return leaves(here, section)
 
 
-def sections(modes_in_use: tuple[str, ...]) -> tuple[str, ...]:
-    """Return the sections of the configuration that hold physical parameters, for the modes in use."""
+def sections(modes_in_use: tuple[str, ...], calibrations: tuple[str, ...] = ()) -> tuple[str, ...]:
+    """Return the sections of the configuration that hold physical parameters, for the modes and calibrations in use."""
     modes = tuple(f"modes.{name}" for name in modes_in_use)
     charge = ("charge.initial_soc", "charge.ambient_c")
     return (
@@ -125,6 +129,7 @@ def sections(modes_in_use: tuple[str, ...]) -> tuple[str, ...]:
         *modes,
         *charge,
         *("objective", "design", "search", "oracle"),
+        *("staging", *(f"calibrations.{name}" for name in calibrations)),
     )
 
 
@@ -179,6 +184,10 @@ def _choose_modes(composed: Composed, values: dict[str, Any]) -> dict[str, Any]:
     searched = objective.get("mode") if isinstance(objective, Mapping) else None
     if isinstance(searched, str) and searched in known:
         wanted.append(searched)
+    staging = values.get("staging")
+    printed = staging.get("mode") if isinstance(staging, Mapping) else None
+    if isinstance(printed, str) and printed in known:
+        wanted.append(printed)
     for name in run:
         if name not in known:
             raise UserError(
@@ -207,6 +216,7 @@ def _check_together(composed: Composed, study: Study) -> None:
             power = study.panel.approximate_power_w(study.weather.irradiance_w_m2, study.weather.cell_temperature_c)
             voltage = study.panel.max_power_voltage_v * study.panel.panels_in_series
             supply_checks.check(power, voltage, study.converter, study.load)
+        staged.check(study)
         searching.check(study)
         tables = {path.stem for path in reference_tables()}
         if study.design is not None and study.design.printed not in {None, *tables}:
@@ -229,6 +239,7 @@ def _makeable(study: Study) -> set[str]:
     supplied = {"panel", "supply"} if study.panel is not None else set()
     charges = {f"charge/{comparison}/{mode}" for comparison in study.comparisons for mode in options("modes")}
     supplied |= {name for name in ("chaos", "objective") if getattr(study, name) is not None}
+    supplied |= {"staging", "front"} if study.staging is not None else set()
     supplied |= set(searching.found_values(study)) | ({"tuning"} if study.design is not None else set())
     return supplied | charges | {f"reference/{path.stem}" for path in reference_tables()}
 
@@ -241,7 +252,7 @@ def _numbers(study: Study) -> dict[str, set[str]]:
     # Statements on the swarm are not checkable under another algorithm, which is no mistake in them.
     if study.search is not None and study.search.kind != "swarm":
         del numbers["search"]
-    return numbers
+    return numbers | staged.quantities(study)
 
 
 @contextmanager

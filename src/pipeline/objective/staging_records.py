@@ -6,6 +6,7 @@ from typing import Any, Literal, Self
 
 from pydantic import Field, model_validator
 
+from pipeline.cell.records import Battery
 from pipeline.errors import best_matches
 from pipeline.record import Record
 
@@ -49,7 +50,6 @@ class Staging(Record):
     title: str = Field(min_length=1, description="name, for people")
     mode: str = Field(min_length=1, description="charging mode with the printed currents: its stages are meant")
     current_a: Currents = Field(description="range of every stage's current [A]")
-    temperature_c: float = Field(gt=-40, le=100, description="highest temperature of the battery allowed [degC]")
     rise: Reading = Field(description="what the sum of the stages' temperature rises means")
     weights: dict[str, Weights] = Field(min_length=1, description="weights by name; the searches use the first")
     searches: dict[str, dict[str, Any]] = Field(min_length=1, description="settings by name, kind first; no box")
@@ -77,6 +77,7 @@ class Plan(Record):
     currents_a: list[float] = Field(min_length=1, description="printed currents [A]")
     soc_edges: list[float] = Field(min_length=2, description="SOC at the start and at the end of each stage [1]")
     voltage_v: float = Field(gt=0, description="highest voltage of the battery allowed [V]")
+    temperature_c: float = Field(description="highest temperature of the battery allowed [degC]")
     ambient_c: float = Field(description="ambient temperature, also the battery's at the start [degC]")
 
     @model_validator(mode="after")
@@ -84,3 +85,13 @@ class Plan(Record):
         if len(self.soc_edges) != len(self.currents_a) + 1:
             raise ValueError(f"{len(self.currents_a)} currents but {len(self.soc_edges) - 1} stages; give one each")
         return self
+
+
+class StagingProblem(Record):
+    """What one search minimises."""
+
+    battery: Battery
+    plan: Plan
+    current_a: Currents
+    rise: Reading
+    weights: Weights
