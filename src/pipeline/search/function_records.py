@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any, Literal, get_args
 
 from pydantic import Field, field_validator, model_validator
@@ -64,14 +64,16 @@ class FunctionStudy(Record):
         for name in functions:
             if name not in HALF_WIDTHS:
                 raise ValueError(f"no test function {name!r}; {best_matches(name, HALF_WIDTHS)}")
-        return _once(functions)
+        _check_once(functions)
+        return functions
 
     @field_validator("placements")
     @classmethod
     def _placed_once(cls, placements: tuple[Placement, ...]) -> tuple[Placement, ...]:
         if not placements:
             raise ValueError(f"placements is empty; allowed are {', '.join(PLACEMENTS)}")
-        return _once(placements)
+        _check_once(placements)
+        return placements
 
     @model_validator(mode="after")
     def _complete(self) -> FunctionStudy:
@@ -99,7 +101,6 @@ def titles(study: Mapping[str, Any]) -> dict[str, str]:
     return {name: own.get("title", name) for group in groups for name, own in group["searches"].items()}
 
 
-def _once(names: Any) -> Any:
+def _check_once(names: Sequence[str]) -> None:
     if len(set(names)) < len(names):
         raise ValueError(f"{list(names)}: each may stand there once")
-    return names

@@ -9,7 +9,8 @@ control", inertia multiplies X by w, and "the integral is added, the rest unchan
 
     X(t+1) = w X(t) + Kp e(t) + Ki (e(t) + leak e(t-1) + leak^2 e(t-2) + ...)
 
-Here Kp is the random -0.01 L of the flight. The leak is ours: without one the sum goes on after the best nest has moved.
+Here Kp is the random -0.01 L of the flight. The leak is ours: without one the sum goes on long after the best nest has
+moved.
 """
 
 from __future__ import annotations
