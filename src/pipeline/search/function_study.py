@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from pipeline.search.benchmark_functions import problem
 from pipeline.search.function_records import FunctionStudy
 from pipeline.search.history import History
-from pipeline.search.registry import replicated
+from pipeline.search.registry import replicated, replicated_alike
 
 Array = NDArray[np.float64]
 
@@ -66,19 +66,26 @@ def run(
     ------
     The runs of a search and the curve of their convergence.
     """
-    for placement in study.placements:
-        objective, box, _ = problem(function, placement, study.dimensions, study.shift_share, seed)
-        searches = study.searches(float(box.high[0]))
-        histories = {}
-        for name, settings in searches.items():
+    problems = {
+        placement: problem(function, placement, study.dimensions, study.shift_share, seed)
+        for placement in study.placements
+    }
+    tasks = {
+        (placement, name): (one.objective, one.box, settings)
+        for placement, one in problems.items()
+        for name, settings in study.searches(float(one.box.high[0])).items()
+    }
+    alike = {key: task for key, task in tasks.items() if key[1] in study.variants.searches}
+    told(f"{function}: {', '.join(study.variants.searches)}")
+    histories = dict(zip(alike, replicated_alike(list(alike.values()), seed), strict=True))
+    for (placement, name), (objective, _, settings) in tasks.items():
+        if (placement, name) not in histories:
             told(f"{function}, {placement}: {name}")
-            histories[name] = replicated(objective, settings, seed)
-        budget = min(int(history.evaluations[:, -1].max()) for history in histories.values())
-        for name, history in histories.items():
-            yield (
-                _runs(history, study.threshold, budget, (function, placement, name)),
-                _curve(history, (function, placement, name)),
-            )
+            histories[placement, name] = replicated(objective, settings, seed)
+    budget = min(int(history.evaluations[:, -1].max()) for history in histories.values())
+    for placement, name in tasks:
+        history, names = histories[placement, name], (function, placement, name)
+        yield _runs(history, study.threshold, budget, names), _curve(history, names)
 
 
 def _runs(history: History, threshold: float, budget: int, names: tuple[str, str, str]) -> Runs:
