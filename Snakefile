@@ -25,5 +25,6 @@ rule all:
 include: "workflow/rules/targets.smk"
 include: "workflow/rules/supply.smk"
 include: "workflow/rules/search.smk"
+include: "workflow/rules/functions.smk"
 include: "workflow/rules/charge.smk"
 include: "workflow/rules/report.smk"

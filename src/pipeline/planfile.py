@@ -14,8 +14,8 @@ from pipeline.errors import UserError
 VERSION = 1
 # The order of the steps; a chunk needs only chunks of earlier steps.
 STEPS = (
-    "panel", "supply", "chaos", "objective", "tuning", "search", "engine", "charge", "ensemble", "verdicts", "figures",
-    "page",
+    "panel", "supply", "chaos", "objective", "tuning", "search", "function_runs", "functions", "engine", "charge",
+    "ensemble", "verdicts", "figures", "page",
 )  # fmt: skip
 
 

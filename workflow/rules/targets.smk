@@ -14,6 +14,11 @@ rule search:
         flow.target("search"),
 
 
+rule functions:
+    input:
+        flow.target("functions"),
+
+
 rule charges:
     input:
         flow.target("charges"),
@@ -29,7 +34,7 @@ rule report:
         flow.target("report"),
 
 
-for study in flow.studies():
+for study in [*flow.studies(), *flow.requests()]:
 
     rule:
         name:

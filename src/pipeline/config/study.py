@@ -27,6 +27,8 @@ from pipeline.published.names import found_quantities
 from pipeline.published.records import Statement
 from pipeline.record import Record
 from pipeline.report.records import FigureCard
+from pipeline.search.function_names import names as function_names
+from pipeline.search.function_records import FunctionStudy
 from pipeline.search.records import ChaosSettings
 from pipeline.search.registry import AnySettings
 from pipeline.taguchi.records import Design
@@ -38,6 +40,7 @@ RESERVED = frozenset(
         "benchmarks",
         "charges",
         "figures",
+        "functions",
         "logs",
         "panel",
         "plan",
@@ -58,6 +61,9 @@ class StudyCard(Record):
     question: str = Field(description="what the study asks, in a sentence")
     paper: str = Field(description="citation of the paper it follows")
     doi: str = Field(default="", description="the paper's DOI, where it has one")
+    on_request: dict[str, tuple[str, ...]] = Field(
+        default_factory=dict, description="target -> overrides of a run that is made only when the target is asked for"
+    )
 
     @field_validator("name")
     @classmethod
@@ -65,6 +71,16 @@ class StudyCard(Record):
         if name in RESERVED:
             raise ValueError(f"{name!r} is taken; not allowed are {', '.join(sorted(RESERVED))}")
         return name
+
+    @field_validator("on_request")
+    @classmethod
+    def _targets_free(cls, on_request: dict[str, tuple[str, ...]]) -> dict[str, tuple[str, ...]]:
+        for target, overrides in on_request.items():
+            if target in RESERVED | set(options("study")) or not target.isidentifier():
+                raise ValueError(f"target {target!r} is taken or no plain name; take another")
+            if not overrides:
+                raise ValueError(f"target {target!r} has no overrides; it would be the study itself")
+        return on_request
 
 
 class Comparison(Record):
@@ -98,6 +114,7 @@ class Study(Record):
     design: Design | None = Field(default=None, description="parameter design that tunes the search")
     search: AnySettings | None = Field(default=None, description="the search whose result others may ask for")
     oracle: AnySettings | None = Field(default=None, description="the sweep it is held against")
+    functions: FunctionStudy | None = Field(default=None, description="searches on test functions")
     figures: dict[str, FigureCard] = Field(default_factory=dict)
     published: dict[str, Statement] = Field(default_factory=dict)
     sources: dict[str, Source] = Field(default_factory=dict)
@@ -124,7 +141,7 @@ def sections(modes_in_use: tuple[str, ...]) -> tuple[str, ...]:
         *("panel", "weather", "converter", "load", "battery"),
         *modes,
         *charge,
-        *("objective", "design", "search", "oracle"),
+        *("objective", "design", "search", "oracle", "functions"),
     )
 
 
@@ -228,7 +245,7 @@ def _makeable(study: Study) -> set[str]:
     """Return every input the study could make, also with modes that this run leaves out."""
     supplied = {"panel", "supply"} if study.panel is not None else set()
     charges = {f"charge/{comparison}/{mode}" for comparison in study.comparisons for mode in options("modes")}
-    supplied |= {name for name in ("chaos", "objective") if getattr(study, name) is not None}
+    supplied |= {name for name in ("chaos", "objective", "functions") if getattr(study, name) is not None}
     supplied |= set(searching.found_values(study)) | ({"tuning"} if study.design is not None else set())
     return supplied | charges | {f"reference/{path.stem}" for path in reference_tables()}
 
@@ -238,6 +255,8 @@ def _numbers(study: Study) -> dict[str, set[str]]:
     bins = () if study.chaos is None else study.chaos.bins
     factors = () if study.design is None else tuple(study.design.factors)
     numbers = found_quantities(bins, options("modes"), factors, searching.searches(study))
+    if study.functions is not None:
+        numbers["functions"] = function_names(study.functions)
     # Statements on the swarm are not checkable under another algorithm, which is no mistake in them.
     if study.search is not None and study.search.kind != "swarm":
         del numbers["search"]

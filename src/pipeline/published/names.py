@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable
 from typing import NamedTuple
 
-from pipeline import schemas
+from pipeline import schemas, schemas_functions
 from pipeline.tables import Table
 
 
@@ -40,6 +40,10 @@ SOURCES: dict[tuple[str, str], Source] = {
     ("search", "statistics"): Source("statistics.parquet", schemas.SEARCH_STATISTICS),
     ("search", "comparison"): Source("comparison.parquet", schemas.SEARCH_COMPARISON),
     ("search", "quantities"): Source("quantities.parquet", schemas.QUANTITIES),
+    ("functions", "statistics"): Source("statistics.parquet", schemas_functions.FUNCTION_STATISTICS),
+    ("functions", "tests"): Source("tests.parquet", schemas_functions.FUNCTION_TESTS),
+    ("functions", "ranks"): Source("ranks.parquet", schemas_functions.FUNCTION_RANKS),
+    ("functions", "quantities"): Source("quantities.parquet", schemas.QUANTITIES),
 } | {
     ("tuning", f"{name}_{part}"): Source(f"{name}.{part}.parquet", table)
     for name in ("published", "rerun")

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from typing import Any, Literal, get_args
 
 from pydantic import Field, field_validator, model_validator
@@ -50,7 +50,7 @@ class FunctionStudy(Record):
     """Which searches run on which functions; every function in every placement."""
 
     dimensions: int = Field(ge=2, description="dimensions of every function [1]")
-    functions: tuple[str, ...] = Field(min_length=2, description="names of the functions")
+    functions: tuple[str, ...] = Field(min_length=1, description="names of the functions")
     placements: tuple[Placement, ...] = Field(default=PLACEMENTS, description="where their minima are put")
     shift_share: float = Field(gt=0, le=1, description="farthest a minimum is moved, over half the cube's width [1]")
     threshold: float = Field(gt=0, description="value at which a run counts as successful; every minimum is 0 [1]")
@@ -93,12 +93,6 @@ class FunctionStudy(Record):
     def kinds(self) -> set[str]:
         """Return the algorithms that are used."""
         return {settings.kind for settings in self.searches(1.0).values()}
-
-
-def titles(study: Mapping[str, Any]) -> dict[str, str]:
-    """Return what each search of a study's plain data is called, for people."""
-    groups = [study["variants"], *([study["baselines"]] if study.get("baselines") else [])]
-    return {name: own.get("title", name) for group in groups for name, own in group["searches"].items()}
 
 
 def _check_once(names: Sequence[str]) -> None:
