@@ -9,6 +9,7 @@ from pipeline.charge.comparison import compared
 from pipeline.charge.records import Mode
 from pipeline.config.study import Study
 from pipeline.draft import Draft, needed, plain, with_found
+from pipeline.function_phases import functions
 from pipeline.planfile import command
 from pipeline.published.records import needs
 from pipeline.record import Record
@@ -18,8 +19,10 @@ from pipeline.staging_phases import staging
 
 def drafts(study: Study) -> list[Draft]:
     """Return the nodes of a study, inputs before those that read them."""
-    nodes = [with_found(node) for node in (*_supply(study), *finders(study), *staging(study), *_charges(study), *_ensemble(study))]
+    parts = (_supply, finders, staging, _charges, _ensemble)
+    nodes = [with_found(node) for part in parts for node in part(study)]
     nodes = needed(nodes, FINDERS)
+    nodes += functions(study)
     nodes += _verdicts(study, nodes)
     nodes += _figures(study, nodes)
     nodes += _page(study, nodes)
@@ -187,7 +190,7 @@ def _calibrated(study: Study, nodes: list[Draft], names: set[str], statement: st
 def _figures(study: Study, nodes: list[Draft]) -> Iterator[Draft]:
     made = {node.step for node in nodes}
     for identifier, card in study.figures.items():
-        if FINDERS & set(card.reads) - made:
+        if (FINDERS | {"functions"}) & set(card.reads) - made:
             continue
         inputs = {node.name: node.name for node in nodes if _wanted(node, card.reads, card.comparison)}
         yield with_found(
@@ -242,7 +245,12 @@ def _named(records: Mapping[str, Record]) -> list[dict[str, Any]]:
     return [{"name": name, **plain(record)} for name, record in records.items()]
 
 
-_SHOWN = frozenset({"panel", "supply", "chaos", "objective", "tuning", "search", "charge", "staging", "front", "verdicts", "figures"})
+_SHOWN = frozenset(
+    {
+        *("panel", "supply", "chaos", "objective", "tuning", "search", "functions", "charge", "staging_search"),
+        *("staging", "front", "verdicts", "figures"),
+    }
+)
 
 
 def _page(study: Study, nodes: list[Draft]) -> Iterator[Draft]:

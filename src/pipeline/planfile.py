@@ -14,7 +14,8 @@ from pipeline.errors import UserError
 VERSION = 1
 # The order of the steps; a chunk needs only chunks of earlier steps.
 STEPS = (
-    "panel", "supply", "chaos", "objective", "tuning", "search", "staging_search", "staging", "front", "engine", "charge",
+    "panel", "supply", "chaos", "objective", "tuning", "search", "staging_search", "function_runs", "staging", "front",
+    "functions", "engine", "charge",
     "ensemble", "verdicts", "figures", "page",
 )  # fmt: skip
 

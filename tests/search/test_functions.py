@@ -24,7 +24,7 @@ SEARCHES = {
     "cuckoo, inertia": {**_CUCKOO, "inertia": 0.9, "inertia_end": 0.4},
     "cuckoo, integral": {**_CUCKOO, "ki": 0.05},
     "differential evolution": {**_POPULATION, "kind": "differential_evolution"},
-    "genetic": {**_POPULATION, "kind": "genetic"},
+    "genetic": {**_POPULATION, "kind": "genetic", "generations": 150},
     "particle swarm": {**_POPULATION, "kind": "particle_swarm", "generations": 60},
     "sweep": {"kind": "sweep", "title": "sweep", "points": 101, "refinements": 4, "replicates": 2},
 }

@@ -19,6 +19,11 @@ rule staging:
         flow.target("staging"),
 
 
+rule functions:
+    input:
+        flow.target("functions"),
+
+
 rule charges:
     input:
         flow.target("charges"),
@@ -34,7 +39,7 @@ rule report:
         flow.target("report"),
 
 
-for study in flow.studies():
+for study in [*flow.studies(), *flow.requests()]:
 
     rule:
         name:

@@ -28,6 +28,8 @@ from pipeline.published.names import found_quantities
 from pipeline.published.records import Statement
 from pipeline.record import Record
 from pipeline.report.records import FigureCard
+from pipeline.search.function_names import names as function_names
+from pipeline.search.function_records import FunctionStudy
 from pipeline.search.records import ChaosSettings
 from pipeline.search.registry import AnySettings
 from pipeline.taguchi.records import Design
@@ -39,6 +41,7 @@ RESERVED = frozenset(
         "benchmarks",
         "charges",
         "figures",
+        "functions",
         "logs",
         "panel",
         "plan",
@@ -60,6 +63,9 @@ class StudyCard(Record):
     question: str = Field(description="what the study asks, in a sentence")
     paper: str = Field(description="citation of the paper it follows")
     doi: str = Field(default="", description="the paper's DOI, where it has one")
+    on_request: dict[str, tuple[str, ...]] = Field(
+        default_factory=dict, description="target -> overrides of a run that is made only when the target is asked for"
+    )
 
     @field_validator("name")
     @classmethod
@@ -67,6 +73,16 @@ class StudyCard(Record):
         if name in RESERVED:
             raise ValueError(f"{name!r} is taken; not allowed are {', '.join(sorted(RESERVED))}")
         return name
+
+    @field_validator("on_request")
+    @classmethod
+    def _targets_free(cls, on_request: dict[str, tuple[str, ...]]) -> dict[str, tuple[str, ...]]:
+        for target, overrides in on_request.items():
+            if target in RESERVED | set(options("study")) or not target.isidentifier():
+                raise ValueError(f"target {target!r} is taken or no plain name; take another")
+            if not overrides:
+                raise ValueError(f"target {target!r} has no overrides; it would be the study itself")
+        return on_request
 
 
 class Comparison(Record):
@@ -102,6 +118,7 @@ class Study(Record):
     oracle: AnySettings | None = Field(default=None, description="the sweep it is held against")
     staging: Staging | None = Field(default=None, description="search for the currents of a staged charge")
     calibrations: dict[str, Battery] = Field(default_factory=dict, description="batteries it is repeated on, by name")
+    functions: FunctionStudy | None = Field(default=None, description="searches on test functions")
     figures: dict[str, FigureCard] = Field(default_factory=dict)
     published: dict[str, Statement] = Field(default_factory=dict)
     sources: dict[str, Source] = Field(default_factory=dict)
@@ -128,7 +145,7 @@ def sections(modes_in_use: tuple[str, ...], calibrations: tuple[str, ...] = ()) 
         *("panel", "weather", "converter", "load", "battery"),
         *modes,
         *charge,
-        *("objective", "design", "search", "oracle"),
+        *("objective", "design", "search", "oracle", "functions"),
         *("staging", *(f"calibrations.{name}" for name in calibrations)),
     )
 
@@ -238,7 +255,7 @@ def _makeable(study: Study) -> set[str]:
     """Return every input the study could make, also with modes that this run leaves out."""
     supplied = {"panel", "supply"} if study.panel is not None else set()
     charges = {f"charge/{comparison}/{mode}" for comparison in study.comparisons for mode in options("modes")}
-    supplied |= {name for name in ("chaos", "objective") if getattr(study, name) is not None}
+    supplied |= {name for name in ("chaos", "objective", "functions") if getattr(study, name) is not None}
     supplied |= {"staging", "front"} if study.staging is not None else set()
     supplied |= set(searching.found_values(study)) | ({"tuning"} if study.design is not None else set())
     return supplied | charges | {f"reference/{path.stem}" for path in reference_tables()}
@@ -249,6 +266,8 @@ def _numbers(study: Study) -> dict[str, set[str]]:
     bins = () if study.chaos is None else study.chaos.bins
     factors = () if study.design is None else tuple(study.design.factors)
     numbers = found_quantities(bins, options("modes"), factors, searching.searches(study))
+    if study.functions is not None:
+        numbers["functions"] = function_names(study.functions)
     # Statements on the swarm are not checkable under another algorithm, which is no mistake in them.
     if study.search is not None and study.search.kind != "swarm":
         del numbers["search"]

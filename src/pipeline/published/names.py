@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable
 from typing import NamedTuple
 
-from pipeline import schemas, schemas_staging
+from pipeline import schemas, schemas_functions, schemas_staging
 from pipeline.tables import Table
 
 
@@ -46,6 +46,10 @@ SOURCES: dict[tuple[str, str], Source] = {
     ("front", "front"): Source("front.parquet", schemas_staging.FRONT),
     ("front", "calibrations"): Source("calibrations.parquet", schemas_staging.CALIBRATIONS),
     ("front", "quantities"): Source("quantities.parquet", schemas.QUANTITIES),
+    ("functions", "statistics"): Source("statistics.parquet", schemas_functions.FUNCTION_STATISTICS),
+    ("functions", "tests"): Source("tests.parquet", schemas_functions.FUNCTION_TESTS),
+    ("functions", "ranks"): Source("ranks.parquet", schemas_functions.FUNCTION_RANKS),
+    ("functions", "quantities"): Source("quantities.parquet", schemas.QUANTITIES),
 } | {
     ("tuning", f"{name}_{part}"): Source(f"{name}.{part}.parquet", table)
     for name in ("published", "rerun")

@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from pipeline import schemas, tables
+from pipeline import schemas, schemas_functions, tables
 
 Columns = dict[str, NDArray[Any]]
 
@@ -36,6 +36,10 @@ FILES: dict[str, tuple[str, tables.Table]] = {
     "agreement": ("agreement.parquet", schemas.TUNING_AGREEMENT),
     "statistics": ("statistics.parquet", schemas.SEARCH_STATISTICS),
     "comparison": ("comparison.parquet", schemas.SEARCH_COMPARISON),
+    "function_curves": ("curves.parquet", schemas_functions.FUNCTION_CURVES),
+    "function_statistics": ("statistics.parquet", schemas_functions.FUNCTION_STATISTICS),
+    "function_tests": ("tests.parquet", schemas_functions.FUNCTION_TESTS),
+    "function_ranks": ("ranks.parquet", schemas_functions.FUNCTION_RANKS),
 }
 """Table name -> file inside its input's folder, and its declaration."""
 

@@ -49,6 +49,22 @@ class EffectOptions(Record):
     searches: dict[str, str] = Field(min_length=2, description="name of a search -> what it is called here")
 
 
+class FunctionConvergenceOptions(Record):
+    """Searches on test functions, run by run."""
+
+    functions: tuple[str, ...] = Field(min_length=1, description="names of the functions, a column each")
+    placements: tuple[Literal["centred", "shifted", "rotated"], ...] = Field(
+        default=("centred", "shifted", "rotated"), min_length=1, description="a row each"
+    )
+    searches: dict[str, str] = Field(min_length=1, description="name of a search -> what it is called here")
+
+
+class FunctionPlacementsOptions(Record):
+    """Searches on test functions, by where the minimum is."""
+
+    searches: dict[str, str] = Field(min_length=1, description="name of a search -> what it is called here")
+
+
 class CircuitOptions(Record):
     """One of the paper's diagrams of the system."""
 
@@ -64,6 +80,8 @@ DRAWINGS: dict[str, type[Record]] = {
     "energy": NoOptions,
     "enlarged": EnlargedOptions,
     "frequency_map": NoOptions,
+    "function_convergence": FunctionConvergenceOptions,
+    "function_placements": FunctionPlacementsOptions,
     "level_effects": NoOptions,
     "logistic_map": NoOptions,
     "loss_over_frequency": NoOptions,
@@ -77,6 +95,12 @@ DRAWINGS: dict[str, type[Record]] = {
 """Every module under `figures` and the record of its options."""
 
 
+Read = Literal[
+    "modes", "system", "algorithm", "panel", "supply", "chaos", "objective", "tuning", "search", "functions", "charge"
+]  # fmt: skip
+"""What a figure may read."""
+
+
 class FigureCard(Record):
     """One figure of a report; its identifier, the key it stands under, is also its file name."""
 
@@ -84,10 +108,7 @@ class FigureCard(Record):
     paper: str = Field(default="", description="its number in the paper; empty for a figure of our own")
     title: str = Field(min_length=1, description="title, for people")
     caption: str = Field(min_length=1, description="what it shows; also its text for those who cannot see it")
-    reads: tuple[
-        Literal["modes", "system", "algorithm", "panel", "supply", "chaos", "objective", "tuning", "search", "charge"],
-        ...,
-    ] = Field(
+    reads: tuple[Read, ...] = Field(
         description="the steps whose artefacts it reads; modes: the knobs of the modes; system: panel, converters, "
         "load and battery as configured; algorithm: the settings of the search"
     )

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Sequence
 from typing import Any, Literal, get_args
 
 from pydantic import Field, field_validator, model_validator
@@ -50,7 +50,7 @@ class FunctionStudy(Record):
     """Which searches run on which functions; every function in every placement."""
 
     dimensions: int = Field(ge=2, description="dimensions of every function [1]")
-    functions: tuple[str, ...] = Field(min_length=2, description="names of the functions")
+    functions: tuple[str, ...] = Field(min_length=1, description="names of the functions")
     placements: tuple[Placement, ...] = Field(default=PLACEMENTS, description="where their minima are put")
     shift_share: float = Field(gt=0, le=1, description="farthest a minimum is moved, over half the cube's width [1]")
     threshold: float = Field(gt=0, description="value at which a run counts as successful; every minimum is 0 [1]")
@@ -64,14 +64,16 @@ class FunctionStudy(Record):
         for name in functions:
             if name not in HALF_WIDTHS:
                 raise ValueError(f"no test function {name!r}; {best_matches(name, HALF_WIDTHS)}")
-        return _once(functions)
+        _check_once(functions)
+        return functions
 
     @field_validator("placements")
     @classmethod
     def _placed_once(cls, placements: tuple[Placement, ...]) -> tuple[Placement, ...]:
         if not placements:
             raise ValueError(f"placements is empty; allowed are {', '.join(PLACEMENTS)}")
-        return _once(placements)
+        _check_once(placements)
+        return placements
 
     @model_validator(mode="after")
     def _complete(self) -> FunctionStudy:
@@ -93,13 +95,6 @@ class FunctionStudy(Record):
         return {settings.kind for settings in self.searches(1.0).values()}
 
 
-def titles(study: Mapping[str, Any]) -> dict[str, str]:
-    """Return what each search of a study's plain data is called, for people."""
-    groups = [study["variants"], *([study["baselines"]] if study.get("baselines") else [])]
-    return {name: own.get("title", name) for group in groups for name, own in group["searches"].items()}
-
-
-def _once(names: Any) -> Any:
+def _check_once(names: Sequence[str]) -> None:
     if len(set(names)) < len(names):
         raise ValueError(f"{list(names)}: each may stand there once")
-    return names

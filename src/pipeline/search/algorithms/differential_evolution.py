@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any, Literal
+from typing import Any, Literal, cast
 
 import numpy as np
 from numpy.typing import NDArray
@@ -56,9 +56,10 @@ def minimise(objective: Objective, box: Box, settings: Settings, rng: np.random.
     def ended(intermediate_result: Any) -> None:
         recorder.mark()
 
+    # Vectorised, scipy hands over a population as columns; its type stubs know single points alone.
     differential_evolution(
-        transposed, Bounds(box.low, box.high), strategy=settings.strategy, maxiter=settings.generations, init=start,
-        mutation=(settings.mutation_low, settings.mutation_high), recombination=settings.recombination, tol=0.0,
-        polish=False, updating="deferred", vectorized=True, rng=rng, callback=ended,
+        cast(Any, transposed), Bounds(box.low, box.high), strategy=settings.strategy, maxiter=settings.generations,
+        mutation=(settings.mutation_low, settings.mutation_high), recombination=settings.recombination, init=start,
+        tol=0.0, polish=False, updating="deferred", vectorized=True, rng=rng, callback=ended,
     )  # fmt: skip
     return recorder.history(settings.generations + 1)

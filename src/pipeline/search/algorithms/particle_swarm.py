@@ -1,4 +1,7 @@
-"""Particle swarm as pymoo has it: its constants adapt as the swarm spreads (Zhan et al. 2009, DOI 10.1109/TSMCB.2009.2015956)."""
+"""Particle swarm as pymoo has it: its constants adapt as the swarm spreads.
+
+Zhan, Zhang, Li and Chung, IEEE Trans. Syst. Man Cybern. B 39 (2009) 1362, DOI 10.1109/TSMCB.2009.2015956.
+"""
 
 from __future__ import annotations
 
