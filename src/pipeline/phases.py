@@ -14,7 +14,7 @@ from pipeline.planfile import command
 from pipeline.published.records import needs
 from pipeline.record import Record
 from pipeline.search_phases import FINDERS, SECTION_OF, finders
-from pipeline.staging_phases import staging
+from pipeline.staging_phases import staging, used_settings
 
 
 def drafts(study: Study) -> list[Draft]:
@@ -237,6 +237,10 @@ def _configured(study: Study, reads: Iterable[str]) -> dict[str, Any]:
         found["system"]["discharge_voltage_v"] = study.objective.discharge_voltage_v if study.objective else None
     if "algorithm" in reads and study.search is not None:
         found["algorithm"] = plain(study.search.model_copy(update={"variants": {}}))
+    if "battery" in reads:
+        found["battery"] = plain(study.battery)
+    if "stage_search" in reads:
+        found["stage_search"] = used_settings(study)
     return found
 
 

@@ -24,6 +24,14 @@ def staging(study: Study) -> Iterator[Draft]:
     yield _front(study, study.staging)
 
 
+def used_settings(study: Study) -> dict[str, Any]:
+    """Return the settings of the search whose currents are charged with; nothing for a study without one."""
+    if study.staging is None:
+        return {}
+    found = searches(study.staging, len(plan_of(study).currents_a))[study.staging.use]
+    return dict(plain(found.model_copy(update={"variables": {}})))
+
+
 def _searches(study: Study, asked: Staging) -> Iterator[Draft]:
     """Every search with the first weights, the one that is used with all of them."""
     known = searches(asked, len(plan_of(study).currents_a))

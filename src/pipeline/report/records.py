@@ -65,6 +65,33 @@ class FunctionPlacementsOptions(Record):
     searches: dict[str, str] = Field(min_length=1, description="name of a search -> what it is called here")
 
 
+class ChargeOptions(Record):
+    """One charge."""
+
+    mode: str = Field(min_length=1, description="name of the mode")
+
+
+class StageTemperatureOptions(ChargeOptions):
+    """A staged charge, and what is printed about it."""
+
+    highest_k: float = Field(gt=0, description="highest temperature rise printed [K]")
+    after_three_k: float = Field(gt=0, description="highest rise of the first three stages printed [K]")
+    end_s: float = Field(gt=0, description="charging time printed [s]")
+
+
+class StageCasesOptions(Record):
+    """Staged charges that matter."""
+
+    cases: dict[str, str] = Field(min_length=1, max_length=7, description="name of a case -> what it is called here")
+
+
+class StageSearchOptions(Record):
+    """Searches for stage currents."""
+
+    weights: str = Field(min_length=1, description="name of the weights")
+    searches: dict[str, str] = Field(min_length=1, max_length=7, description="name of a search -> what it is called")
+
+
 class CircuitOptions(Record):
     """One of the paper's diagrams of the system."""
 
@@ -75,8 +102,12 @@ class CircuitOptions(Record):
 DRAWINGS: dict[str, type[Record]] = {
     "algorithm": NoOptions,
     "array_against_factorial": NoOptions,
+    "calibration_gains": NoOptions,
+    "cell_curves": NoOptions,
+    "charge_course": ChargeOptions,
     "circuit": CircuitOptions,
     "convergence": ConvergenceOptions,
+    "control_loop": NoOptions,
     "energy": NoOptions,
     "enlarged": EnlargedOptions,
     "frequency_map": NoOptions,
@@ -90,13 +121,20 @@ DRAWINGS: dict[str, type[Record]] = {
     "panel_curves": NoOptions,
     "reflex_waveform": WaveformOptions,
     "search_effects": EffectOptions,
+    "stage_currents": StageCasesOptions,
+    "stage_search_course": StageSearchOptions,
+    "stage_search_ends": StageSearchOptions,
+    "stage_temperature": StageTemperatureOptions,
     "supply": NoOptions,
+    "thevenin": NoOptions,
+    "time_rise_front": StageCasesOptions,
 }
 """Every module under `figures` and the record of its options."""
 
 
 Read = Literal[
-    "modes", "system", "algorithm", "panel", "supply", "chaos", "objective", "tuning", "search", "functions", "charge"
+    "modes", "system", "algorithm", "battery", "stage_search", "panel", "supply", "chaos", "objective", "tuning",
+    "search", "functions", "charge", "staging_search", "staging", "front",
 ]  # fmt: skip
 """What a figure may read."""
 
@@ -110,7 +148,8 @@ class FigureCard(Record):
     caption: str = Field(min_length=1, description="what it shows; also its text for those who cannot see it")
     reads: tuple[Read, ...] = Field(
         description="the steps whose artefacts it reads; modes: the knobs of the modes; system: panel, converters, "
-        "load and battery as configured; algorithm: the settings of the search"
+        "load and battery as configured; algorithm: the settings of the search; battery: the battery as configured; "
+        "stage_search: the settings of the search for stage currents that is used"
     )
     comparison: str | None = Field(default=None, description="the only comparison it shows; all of them without")
     options: dict[str, Any] = Field(default_factory=dict, description="what the drawing module lets one choose")
