@@ -31,26 +31,24 @@ def draw(figure: FigureCard, data: ReportData) -> Figure:
         return drawing
     chart = Circuit(axes)
     used = style.MARKS[0].colour
-    chart.box((0.0, 0.0), 2.6, 1.2, "best nest\n(reference)")
-    chart.box((3.6, 0.0), 1.3, 1.2, "e = best - X", round_by=0.5)
-    axes.texts[-1].set_text("- X")
-    chart.box((8.2, 2.2), 5.4, 1.3, "P: Kp e,  Kp = -step L, L a Lévy number\n" + f"step {settings['step_scale']:g}")
-    integral = f"Ki = {settings['ki']:g}, leak {settings['leak']:g}" if settings["ki"] > 0 else "Ki = 0: left out"
-    chart.box((8.2, 0.0), 5.4, 1.3, f"I: Ki (e + leak e' + leak² e'' + ...)\n{integral}", used)
-    chart.box((8.2, -2.2), 5.4, 1.1, "D: none, whatever the title says", "#b8b8b8")
+    chart.box((0.0, 0.0), 2.8, 1.3, "best nest\n(reference)")
+    chart.box((3.9, 0.0), 2.0, 1.3, "e = best\n- X", round_by=0.5)
+    chart.box((10.4, 2.3), 8.2, 1.5, f"P: Kp e, with Kp = -L x {settings['step_scale']:g}\nL: a Lévy number times a normal one")
+    integral = f"Ki = {settings['ki']:g}, leak = {settings['leak']:g}" if settings["ki"] > 0 else "Ki = 0: left out"
+    chart.box((10.4, 0.0), 8.2, 1.5, f"I: Ki (e + leak e' + leak² e'' + ...)\n{integral}", used)
+    chart.box((10.4, -2.1), 8.2, 1.0, "D: none", "#b8b8b8")
     end = settings["inertia_end"]
     falls = "" if end is None else f" falling to {end:g}"
-    chart.box((15.2, 0.0), 4.2, 1.3, f"X = w X + P + I\nw = {settings['inertia']:g}{falls}")
-    chart.box((20.6, 0.0), 3.4, 1.3, "kept where\nno worse")
-    chart.arrow((1.3, 0.0), (2.95, 0.0))
-    chart.arrow((4.25, 0.0), (5.5, 0.0), "e")
-    for height in (2.2,):
-        chart.arrow((4.85, 0.0), (4.85, height), ends_at=(5.5, height))
-        chart.arrow((10.9, height), (15.2, height), ends_at=(15.2, 0.65))
-    chart.arrow((10.9, 0.0), (13.1, 0.0))
-    chart.arrow((17.3, 0.0), (18.9, 0.0))
-    chart.arrow((22.3, 0.0), (23.6, 0.0), "X")
-    axes.plot([23.0, 23.0, 3.6], [0.0, -3.4, -3.4], color="#222222", linewidth=1.3, zorder=2)
-    chart.arrow((3.6, -3.4), (3.6, -0.6))
-    chart.done((-1.6, 24.4), (-3.8, 3.2))
+    chart.box((18.4, 0.0), 4.6, 1.5, f"X = w X + P + I\nw = {settings['inertia']:g}{falls}")
+    chart.box((24.0, 0.0), 3.4, 1.5, "kept where\nno worse")
+    chart.arrow((1.4, 0.0), (2.9, 0.0))
+    chart.arrow((4.9, 0.0), (6.3, 0.0))
+    chart.arrow((5.5, 0.0), (5.5, 2.3), ends_at=(6.3, 2.3))
+    chart.arrow((14.5, 2.3), (18.4, 2.3), ends_at=(18.4, 0.75))
+    chart.arrow((14.5, 0.0), (16.1, 0.0))
+    chart.arrow((20.7, 0.0), (22.3, 0.0))
+    chart.arrow((25.7, 0.0), (27.6, 0.0), "X")
+    axes.plot([26.6, 26.6, 3.9], [0.0, -3.4, -3.4], color="#222222", linewidth=1.3, zorder=2)
+    chart.arrow((3.9, -3.4), (3.9, -0.65))
+    chart.done((-1.8, 28.2), (-3.8, 3.4))
     return drawing

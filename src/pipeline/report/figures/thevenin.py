@@ -42,7 +42,7 @@ def draw(figure: FigureCard, data: ReportData) -> Figure:
     circuit.arrow((place + 1.3, 3.45), (place + 0.2, 3.45), "")
     circuit.text((place + 0.8, 3.95), "I > 0: charging")
     circuit.text((place + 1.8, 1.5), "terminal voltage\nU + I R + Up", "left")
-    axes.set_title(f"{battery['title']}: {battery['capacity_ah']:g} Ah, values over the state of charge")
+    axes.set_title(f"{battery['title']}: values over the state of charge")
     circuit.done((-4.2, place + 5.5), (-0.7, 5.0))
     return drawing
 
