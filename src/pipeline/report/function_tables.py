@@ -90,8 +90,8 @@ def summary(data: ReportData) -> ReportTable:
         "functions_summary",
         "What becomes of a perfect score when the minimum leaves the origin",
         f"Numbers of functions, of {found['functions']:.0f}. Lower, higher, sooner, later: significantly so against "
-        "plain search (Wilcoxon's signed ranks, 5 % after Holm's correction). Speed-up: plain search's generations over its "
-        "own, on functions that both always solve. Friedman's test, chance that the variants do not differ: "
+        "plain search (Wilcoxon's signed ranks, 5 % after Holm's correction). Speed-up: plain search's generations "
+        "over its own, on functions that both always solve. Friedman's test, chance that the variants do not differ: "
         f"{chances}.",
         ("minimum", "search", *_SUMMARY.values()),
         tuple(rows),

@@ -9,11 +9,11 @@ import numpy as np
 from pipeline.quantity import Quantity
 from pipeline.search.function_names import COUNTS, OF_A_PLACEMENT, OF_A_ROW, OF_A_SEARCH, OF_A_VARIANT
 from pipeline.search.function_records import FunctionStudy
-from pipeline.search.function_statistics import GENERATIONS, VALUE, Ranks, Statistics, Test, speedup
+from pipeline.search.function_statistics import GENERATIONS, VALUE, Contest, Ranks, Statistics, speedup
 
 
 def quantities(
-    study: FunctionStudy, rows: Sequence[Statistics], tested: Sequence[Test], ranked: Sequence[Ranks]
+    study: FunctionStudy, rows: Sequence[Statistics], tested: Sequence[Contest], ranked: Sequence[Ranks]
 ) -> list[Quantity]:
     """Return the numbers of a study.
 
@@ -78,7 +78,7 @@ def _of_search(rows: Sequence[Statistics]) -> dict[str, float]:
 
 
 def _against(
-    rows: Sequence[Statistics], tested: Sequence[Test], search: str, plain: str, placement: str
+    rows: Sequence[Statistics], tested: Sequence[Contest], search: str, plain: str, placement: str
 ) -> dict[str, float]:
     own = {row.function: row for row in rows if row.search == search}
     other = {row.function: row for row in rows if row.search == plain}

@@ -38,7 +38,7 @@ class Statistics(NamedTuple):
     spent: float
 
 
-class Test(NamedTuple):
+class Contest(NamedTuple):
     """A search against the plain one on one function in one placement."""
 
     function: str
@@ -70,7 +70,7 @@ def statistics(runs: Iterable[Runs]) -> list[Statistics]:
     return [_statistics(one) for one in runs]
 
 
-def tests(runs: Sequence[Runs], plain: str, variants: Sequence[str]) -> list[Test]:
+def contests(runs: Sequence[Runs], plain: str, variants: Sequence[str]) -> list[Contest]:
     """Return the tests of each variant against the plain one, run from the same starts, on every function.
 
     Arguments
@@ -81,7 +81,7 @@ def tests(runs: Sequence[Runs], plain: str, variants: Sequence[str]) -> list[Tes
     """
     by_key: dict[Key, Runs] = {(one.search, one.function, one.placement): one for one in runs}
     placements, functions = _distinct(one.placement for one in runs), _distinct(one.function for one in runs)
-    found: list[Test] = []
+    found: list[Contest] = []
     for search in (name for name in variants if name != plain):
         for placement in placements:
             for measure in (VALUE, GENERATIONS):
@@ -93,7 +93,7 @@ def tests(runs: Sequence[Runs], plain: str, variants: Sequence[str]) -> list[Tes
                     larger = vargha_delaney(own, other)
                     sure = p_holm < SIGNIFICANT
                     better, worse = bool(sure and larger < 0.5), bool(sure and larger > 0.5)
-                    found.append(Test(name, placement, search, measure, p, p_holm, larger, better, worse))
+                    found.append(Contest(name, placement, search, measure, p, p_holm, larger, better, worse))
     return found
 
 
@@ -121,8 +121,8 @@ def signed_rank(first: Array, second: Array) -> float:
 
     if np.array_equal(first, second):
         return 1.0
-    # Exact only for small samples without ties or zeros; else its normal approximation.
-    return float(wilcoxon(first, second, zero_method="pratt", method="approx", correction=True).pvalue)
+    # Exact for small samples without ties or zeros; else its normal approximation.
+    return float(wilcoxon(first, second, zero_method="pratt", method="auto", correction=True).pvalue)
 
 
 def friedman(table: Array) -> tuple[Array, float]:
