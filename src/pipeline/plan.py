@@ -35,7 +35,7 @@ CHUNK_SIZE = {
     "objective": (1, 32),
     "tuning": (1, 4),
     "search": (1, 8),
-    "function_runs": (1, 1),
+    "function_runs": (2, 2),
     "functions": (1, 8),
     "charge": (1, 12),
     "verdicts": (1, 32),

@@ -9,7 +9,7 @@ import numpy as np
 from pipeline.quantity import Quantity
 from pipeline.search.function_names import COUNTS, OF_A_PLACEMENT, OF_A_ROW, OF_A_SEARCH, OF_A_VARIANT
 from pipeline.search.function_records import FunctionStudy
-from pipeline.search.function_statistics import GENERATIONS, VALUE, Contest, Ranks, Statistics, speedup
+from pipeline.search.function_statistics import GENERATIONS, RESOLUTION, VALUE, Contest, Ranks, Statistics, speedup
 
 
 def quantities(
@@ -72,6 +72,7 @@ def _counts(study: FunctionStudy, rows: Sequence[Statistics]) -> list[Quantity]:
 def _of_search(rows: Sequence[Statistics]) -> dict[str, float]:
     return {
         "zeros": float(sum(row.mean == 0.0 for row in rows)),
+        "perfect": float(sum(row.mean < RESOLUTION for row in rows)),
         "always_reached": float(sum(row.success_share == 1.0 for row in rows)),
         "mean_success_share": float(np.mean([row.success_share for row in rows])),
     }

@@ -16,6 +16,8 @@ Key = tuple[str, str, str]
 
 SIGNIFICANT = 0.05
 VALUE, GENERATIONS = "value", "generations"
+RESOLUTION = 1e-16
+"""Values below are told apart by nobody: they count as equal in tests and ranks, and as 0 in a printed table."""
 
 
 class Statistics(NamedTuple):
@@ -110,7 +112,7 @@ def ranks(rows: Sequence[Statistics], variants: Sequence[str]) -> list[Ranks]:
             table = np.array(
                 [[getattr(by_key[name, function, placement], measure) for name in searches] for function in functions]
             )
-            mean_rank, p = friedman(table)
+            mean_rank, p = friedman(np.maximum(table, RESOLUTION))
             found.append(Ranks(placement, measure, dict(zip(searches, mean_rank.tolist(), strict=True)), p))
     return found
 
@@ -185,7 +187,7 @@ def _statistics(one: Runs) -> Statistics:
 def _measured(one: Runs, measure: str) -> Array:
     """Return what is compared; a run that never arrives counts as slower than any that does."""
     if measure == VALUE:
-        return one.value
+        return np.maximum(one.value, RESOLUTION)
     return np.where(np.isfinite(one.generations), one.generations, 1e9)
 
 
