@@ -38,7 +38,7 @@ CHUNK_SIZE = {
     "staging_search": (3, 9),
     "staging": (1, 8),
     "front": (1, 8),
-    "function_runs": (1, 1),
+    "function_runs": (2, 2),
     "functions": (1, 8),
     "charge": (1, 12),
     "verdicts": (1, 32),

@@ -14,6 +14,7 @@ OF_A_ROW = {
 }
 OF_A_SEARCH = {
     "zeros": "functions on which every run of {search} ends at exactly 0, {placement}",
+    "perfect": "functions on which the mean of {search} is below 1e-16, which a table prints as 0, {placement}",
     "always_reached": "functions on which every run of {search} reaches the threshold, {placement}",
     "mean_success_share": "share of all runs of {search} that reach the threshold, {placement}",
     "rank_at_budget": "mean rank of {search} at the shortest search's budget, {placement}; 1 is best",

@@ -9,11 +9,11 @@ import numpy as np
 from pipeline.quantity import Quantity
 from pipeline.search.function_names import COUNTS, OF_A_PLACEMENT, OF_A_ROW, OF_A_SEARCH, OF_A_VARIANT
 from pipeline.search.function_records import FunctionStudy
-from pipeline.search.function_statistics import GENERATIONS, VALUE, Ranks, Statistics, Test, speedup
+from pipeline.search.function_statistics import GENERATIONS, RESOLUTION, VALUE, Contest, Ranks, Statistics, speedup
 
 
 def quantities(
-    study: FunctionStudy, rows: Sequence[Statistics], tested: Sequence[Test], ranked: Sequence[Ranks]
+    study: FunctionStudy, rows: Sequence[Statistics], tested: Sequence[Contest], ranked: Sequence[Ranks]
 ) -> list[Quantity]:
     """Return the numbers of a study.
 
@@ -72,13 +72,14 @@ def _counts(study: FunctionStudy, rows: Sequence[Statistics]) -> list[Quantity]:
 def _of_search(rows: Sequence[Statistics]) -> dict[str, float]:
     return {
         "zeros": float(sum(row.mean == 0.0 for row in rows)),
+        "perfect": float(sum(row.mean < RESOLUTION for row in rows)),
         "always_reached": float(sum(row.success_share == 1.0 for row in rows)),
         "mean_success_share": float(np.mean([row.success_share for row in rows])),
     }
 
 
 def _against(
-    rows: Sequence[Statistics], tested: Sequence[Test], search: str, plain: str, placement: str
+    rows: Sequence[Statistics], tested: Sequence[Contest], search: str, plain: str, placement: str
 ) -> dict[str, float]:
     own = {row.function: row for row in rows if row.search == search}
     other = {row.function: row for row in rows if row.search == plain}

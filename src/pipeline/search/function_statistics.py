@@ -16,6 +16,8 @@ Key = tuple[str, str, str]
 
 SIGNIFICANT = 0.05
 VALUE, GENERATIONS = "value", "generations"
+RESOLUTION = 1e-16
+"""Values below are told apart by nobody: they count as equal in tests and ranks, and as 0 in a printed table."""
 
 
 class Statistics(NamedTuple):
@@ -38,7 +40,7 @@ class Statistics(NamedTuple):
     spent: float
 
 
-class Test(NamedTuple):
+class Contest(NamedTuple):
     """A search against the plain one on one function in one placement."""
 
     function: str
@@ -70,7 +72,7 @@ def statistics(runs: Iterable[Runs]) -> list[Statistics]:
     return [_statistics(one) for one in runs]
 
 
-def tests(runs: Sequence[Runs], plain: str, variants: Sequence[str]) -> list[Test]:
+def contests(runs: Sequence[Runs], plain: str, variants: Sequence[str]) -> list[Contest]:
     """Return the tests of each variant against the plain one, run from the same starts, on every function.
 
     Arguments
@@ -81,7 +83,7 @@ def tests(runs: Sequence[Runs], plain: str, variants: Sequence[str]) -> list[Tes
     """
     by_key: dict[Key, Runs] = {(one.search, one.function, one.placement): one for one in runs}
     placements, functions = _distinct(one.placement for one in runs), _distinct(one.function for one in runs)
-    found: list[Test] = []
+    found: list[Contest] = []
     for search in (name for name in variants if name != plain):
         for placement in placements:
             for measure in (VALUE, GENERATIONS):
@@ -93,7 +95,7 @@ def tests(runs: Sequence[Runs], plain: str, variants: Sequence[str]) -> list[Tes
                     larger = vargha_delaney(own, other)
                     sure = p_holm < SIGNIFICANT
                     better, worse = bool(sure and larger < 0.5), bool(sure and larger > 0.5)
-                    found.append(Test(name, placement, search, measure, p, p_holm, larger, better, worse))
+                    found.append(Contest(name, placement, search, measure, p, p_holm, larger, better, worse))
     return found
 
 
@@ -110,7 +112,7 @@ def ranks(rows: Sequence[Statistics], variants: Sequence[str]) -> list[Ranks]:
             table = np.array(
                 [[getattr(by_key[name, function, placement], measure) for name in searches] for function in functions]
             )
-            mean_rank, p = friedman(table)
+            mean_rank, p = friedman(np.maximum(table, RESOLUTION))
             found.append(Ranks(placement, measure, dict(zip(searches, mean_rank.tolist(), strict=True)), p))
     return found
 
@@ -121,8 +123,8 @@ def signed_rank(first: Array, second: Array) -> float:
 
     if np.array_equal(first, second):
         return 1.0
-    # Exact only for small samples without ties or zeros; else its normal approximation.
-    return float(wilcoxon(first, second, zero_method="pratt", method="approx", correction=True).pvalue)
+    # Exact for small samples without ties or zeros; else its normal approximation.
+    return float(wilcoxon(first, second, zero_method="pratt", method="auto", correction=True).pvalue)
 
 
 def friedman(table: Array) -> tuple[Array, float]:
@@ -185,7 +187,7 @@ def _statistics(one: Runs) -> Statistics:
 def _measured(one: Runs, measure: str) -> Array:
     """Return what is compared; a run that never arrives counts as slower than any that does."""
     if measure == VALUE:
-        return one.value
+        return np.maximum(one.value, RESOLUTION)
     return np.where(np.isfinite(one.generations), one.generations, 1e9)
 
 

@@ -11,7 +11,7 @@ import numpy as np
 from pipeline import quantity, schemas, schemas_functions, tables
 from pipeline.search.function_quantities import quantities
 from pipeline.search.function_records import FunctionStudy
-from pipeline.search.function_statistics import Ranks, ranks, statistics, tests
+from pipeline.search.function_statistics import Ranks, contests, ranks, statistics
 from pipeline.search.function_study import Runs
 
 
@@ -21,7 +21,7 @@ def run(settings: Mapping[str, Any], inputs: Mapping[str, Path], output: Path) -
     folders = [inputs[f"function_runs/{name}"] for name in study.functions]
     raw = _joined(folders, schemas_functions.FUNCTION_RUNS, "runs.parquet")
     runs, variants = list(_runs(raw)), list(study.variants.searches)
-    rows, tested = statistics(runs), tests(runs, study.plain, variants)
+    rows, tested = statistics(runs), contests(runs, study.plain, variants)
     ranked = ranks(rows, variants)
     tables.write(schemas_functions.FUNCTION_RUNS, raw, output / "runs.parquet")
     curves = _joined(folders, schemas_functions.FUNCTION_CURVES, "curves.parquet")

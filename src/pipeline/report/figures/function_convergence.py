@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.ticker import NullLocator
 
 from pipeline.report import style
 from pipeline.report.data import Columns, ReportData
@@ -27,7 +28,7 @@ def draw(figure: FigureCard, data: ReportData) -> Figure:
     options = figure.chosen()
     assert isinstance(options, FunctionConvergenceOptions)
     table = data.table("functions", "function_curves")
-    drawing = style.figure(0.7 + 2.3 * len(options.placements))
+    drawing = style.figure(0.7 + 1.9 * len(options.placements))
     fields = drawing.subplots(len(options.placements), len(options.functions), sharex=True, sharey=True, squeeze=False)
     found = style.marks(list(options.searches))
     for row, placement in enumerate(options.placements):
@@ -38,9 +39,13 @@ def draw(figure: FigureCard, data: ReportData) -> Figure:
             axes.set_title(NAMES.get(function, function) if row == 0 else "")
         fields[row, 0].set_ylabel(f"{PLACES[placement]}\nbest value so far [1]")
     largest = max(float(np.max(table["high"][table["function"] == function])) for function in options.functions)
+    last = int(np.max(table["generation"][np.isin(table["search"], list(options.searches))]))
     for axes in fields.flat:
         axes.set_yscale("log")
         axes.set_xscale("symlog", linthresh=1.0)
+        axes.set_xlim(0.0, last)
+        axes.set_xticks([0, *(10**power for power in range(1 + int(np.log10(max(last, 1)))))], minor=False)
+        axes.xaxis.set_minor_locator(NullLocator())
         axes.set_ylim(0.2 * FLOOR, 5.0 * largest)
         value_ticks(axes.yaxis)
     for axes in fields[-1]:

@@ -42,7 +42,7 @@ def floored(values: NDArray[np.float64]) -> NDArray[np.float64]:
 
 def value_ticks(axis: Axis) -> None:
     """Label a logarithmic axis whose floor stands for 0."""
-    exponents = (-15, -10, -6, 0)
+    exponents = (-12, -6, 0)
     axis.set_ticks([FLOOR, *(10.0**exponent for exponent in exponents)])
     axis.set_ticklabels(["0", *(f"$10^{{{exponent}}}$" for exponent in exponents)])
     axis.set_ticks([], minor=True)

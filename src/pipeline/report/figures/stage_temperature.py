@@ -50,7 +50,7 @@ def draw(figure: FigureCard, data: ReportData) -> Figure:
     rise.set_ylabel("Temperature rise [K]")
     rise.set_xlabel("Time [s]")
     rise.set_ylim(0.0, 1.25 * float(kelvin.max()))
-    rise.legend(loc="lower right")
+    rise.legend(loc="lower center")
     return drawing
 
 

@@ -22,12 +22,18 @@ def draw(figure: FigureCard, data: ReportData) -> Figure:
     """
     options = figure.chosen()
     assert isinstance(options, StageCasesOptions)
-    drawing = style.figure(4.6)
-    fields = drawing.subplots(1, 2, sharey=True)
-    for axes, reading in zip(fields, _TITLES, strict=True):
-        _field(axes, data, reading, options.cases)
-    fields[0].set_ylabel("Temperature rise [K]")
-    handles, labels = fields[0].get_legend_handles_labels()
+    drawing = style.figure(6.6)
+    rows = drawing.subplots(2, 2, sharey="row", height_ratios=(3, 4))
+    for near, fields in enumerate(rows):
+        for axes, reading in zip(fields, _TITLES, strict=True):
+            _field(axes, data, reading, options.cases)
+            _window(axes, data, reading, near=bool(near))
+        fields[0].set_ylabel("Temperature rise [K]")
+    for axes, title in zip(rows[0], _TITLES.values(), strict=True):
+        axes.set_title(title)
+    for axes in rows[1]:
+        axes.set_xlabel("Charging time [s]")
+    handles, labels = rows[0, 0].get_legend_handles_labels()
     drawing.legend(handles, labels, loc="outside upper center", ncols=4)
     return drawing
 
@@ -36,21 +42,29 @@ def _field(axes: Axes, data: ReportData, reading: str, cases: dict[str, str]) ->
     front = data.table("front", "front")
     scan = (front["method"] == "scan") & (front["rise"] == reading)
     evolved = (front["method"] == "nsga2") & (front["rise"] == reading)
-    axes.plot(front["time_s"][scan], front["rise_k"][scan], color="#222222", linewidth=1.2, label="local solver, over the weights")
-    axes.plot(
-        front["time_s"][evolved], front["rise_k"][evolved], ".", color=style.MARKS[5].colour, markersize=5, label="NSGA-II"
-    )
+    time, rise = front["time_s"], front["rise_k"]
+    axes.plot(time[scan], rise[scan], color="#222222", linewidth=1.2, label="local solver, over the weights")
+    axes.plot(time[evolved], rise[evolved], ".", color=style.MARKS[5].colour, markersize=5, label="NSGA-II")
     found = data.table("staging", "staging_cases")
     marks = [style.MARKS[place] for place in (2, 0, 1, 4, 6)]
     for (name, title), mark in zip(cases.items(), marks, strict=False):
         row = found["case"] == name
         if row.any():
-            axes.plot(found["time_s"][row], found[f"{reading}_k"][row], mark.marker, color=mark.colour, markersize=9, label=title)
+            axes.plot(
+                found["time_s"][row], found[f"{reading}_k"][row], mark.marker, color=mark.colour, markersize=8, label=title
+            )
     _constant(axes, data, reading)
-    axes.set_title(_TITLES[reading])
-    axes.set_xlabel("Charging time [s]")
-    low, high = 500.0, 2.0 * float(found["time_s"][found["case"] == "printed"][0]) if (found["case"] == "printed").any() else 3000.0
-    axes.set_xlim(low, min(high, float(front["time_s"].max()) + 50.0))
+
+
+def _window(axes: Axes, data: ReportData, reading: str, near: bool) -> None:
+    """Show all of the front, or what lies about the printed currents."""
+    front, numbers = data.table("front", "front"), data.numbers("staging")
+    if near:
+        time, rise = numbers["printed_time_s"], numbers[f"printed_{reading}_k"]
+        axes.set_xlim(0.75 * time, 1.2 * time)
+        axes.set_ylim(0.65 * rise, 1.4 * rise)
+        return
+    axes.set_xlim(float(front["time_s"].min()) - 50.0, float(front["time_s"].max()) + 50.0)
     axes.set_ylim(0.0, 1.05 * float(front["rise_k"].max()))
 
 
