@@ -48,7 +48,9 @@ STAGING_CASES = Table(
     (
         Column("case", "", "name of the charge", "text"),
         Column("weights", "", "name of the weights it is the best for, where it is", "text", optional=True),
-        Column("rise", "", "final, positive or peak: the rise that is weighed or kept, where one is", "text", optional=True),
+        Column(
+            "rise", "", "final, positive or peak: the rise that is weighed or kept, where one is", "text", optional=True
+        ),
         Column("found_by", "", "the search, or the local solver", "text"),
         _TIME,
         *_RISES,

@@ -1,5 +1,6 @@
 # The currents of a staged charge: every search, what they come to, the front of time and temperature rise.
 
+
 rule search_stage_currents:
     input:
         lambda wildcards: flow.needs(wildcards.chunk),

@@ -9,8 +9,8 @@ from pydantic import ValidationError
 from pipeline.charge.protocol import Resolver, parameters
 from pipeline.charge.waveforms import Staged
 from pipeline.errors import UserError, best_matches
-from pipeline.objective.staging_records import Plan, Staging
 from pipeline.objective.staging_names import front_quantities, search_quantities
+from pipeline.objective.staging_records import Plan, Staging
 from pipeline.record import Reference
 from pipeline.search.box import SearchSettings
 from pipeline.search.registry import settings_from

@@ -88,14 +88,12 @@ def constants(problem: Problem, printed: Array) -> dict[str, Constant]:
     for reading in ("peak", "final"):
         wanted = float(shown.rise_k(reading)[0])
 
-        def excess(current: float, reading: Reading = reading, wanted: float = wanted) -> float:  # type: ignore[assignment]
+        def excess(current: float, reading: Reading = reading, wanted: float = wanted) -> float:
             return float(charge(problem.grid, np.full((1, stages), current)).rise_k(reading)[0]) - wanted
 
         if excess(span.low) < 0.0 < excess(span.high):
             found[f"same_{reading}"] = float(brentq(excess, span.low, span.high, xtol=1e-12, rtol=1e-14))
-    return {
-        name: _constant(problem, current, stages) for name, current in found.items() if _inside(span, current)
-    }
+    return {name: _constant(problem, current, stages) for name, current in found.items() if _inside(span, current)}
 
 
 def _inside(span: Currents, current: float) -> bool:

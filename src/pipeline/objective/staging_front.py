@@ -111,17 +111,24 @@ def _of_front(reading: Reading, evolved: Points, scan: Points, printed: Charges)
     at_rise = float(np.interp(-rise, -evolved.rise_k, evolved.time_s))
     words = f"NSGA-II's front of time and {reading} rise"
     yield Quantity(f"{reading}_front_points", float(len(evolved.time_s)), "1", f"charges of {words}")
-    yield Quantity(f"{reading}_dominating_points", float(better.sum()), "1", f"those faster and cooler than printed, {words}")
+    yield Quantity(
+        f"{reading}_dominating_points", float(better.sum()), "1", f"those faster and cooler than printed, {words}"
+    )
     farthest = float(above[inside].max()) if inside.any() else np.nan
     yield Quantity(f"{reading}_farthest_above_scan_k", farthest, "K", f"farthest that {words} lies above the scan")
     yield Quantity(
-        f"{reading}_time_less_at_printed_rise_share", 1.0 - at_rise / time, "1", f"time saved at the printed rise, {words}"
+        f"{reading}_time_less_at_printed_rise_share",
+        1.0 - at_rise / time,
+        "1",
+        f"time saved at the printed rise, {words}",
     )
 
 
 def _of_calibration(name: str, shown: Charges, gained: list[Gain]) -> Iterator[Quantity]:
     for reading in KEPT:
-        yield Quantity(f"{name}_printed_{reading}_k", float(shown.rise_k(reading)[0]), "K", f"printed {reading} rise, {name}")
+        yield Quantity(
+            f"{name}_printed_{reading}_k", float(shown.rise_k(reading)[0]), "K", f"printed {reading} rise, {name}"
+        )
     third = shown.end_k[0, min(2, shown.end_k.shape[1] - 1)]
     yield Quantity(f"{name}_rise_after_stage_3_k", float(third), "K", f"printed rise after the third stage, {name}")
     for gain in gained:

@@ -7,6 +7,7 @@ current is. The grid holds it at the Gauss nodes of each piece between two knots
 from __future__ import annotations
 
 from collections.abc import Sequence
+from itertools import pairwise
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -135,7 +136,7 @@ def _check(battery: Battery, edges: Sequence[float]) -> None:
     for name, pair in battery.pairs.items():
         if isinstance(pair.resistance_ohm, Logarithm | Root):
             raise ValueError(f"pairs.{name}.resistance_ohm must be a number, a polynomial or a table")
-    if len(edges) < 2 or any(b <= a for a, b in zip(edges, edges[1:], strict=False)) or edges[0] < 0 or edges[-1] >= 1:
+    if len(edges) < 2 or any(b <= a for a, b in pairwise(edges)) or edges[0] < 0 or edges[-1] >= 1:
         raise ValueError(f"the edges of the stages are {list(edges)}; they must rise from 0 or more to less than 1")
 
 
@@ -149,7 +150,7 @@ def _bounds(battery: Battery, edges: Array, slowest_a: float) -> Array:
     fastest = min((pair.time_constant_s for pair in battery.pairs.values()), default=np.inf)
     per_soc = 2.0 * 3600.0 * battery.capacity_in_use_ah / slowest_a / fastest
     fine = [bounds[0]]
-    for low, high in zip(bounds, bounds[1:], strict=False):
+    for low, high in pairwise(bounds):
         begun = edges[np.searchsorted(edges, low + 1e-12, side="right") - 1]
         fine += _split(low - begun, high - begun, per_soc, begun)
     return np.array(fine)
@@ -181,4 +182,4 @@ def _cubics(resistance: Array) -> Array:
     """Return the cubic through four places of each piece, which is the curve itself where it is a cubic there."""
     places = [0, 1 + ORDER // 3, ORDER - ORDER // 3, ORDER + 1]
     inverse = np.linalg.inv(np.vander(PLACES[places], increasing=True))
-    return np.einsum("cq,pkq->pkc", inverse, resistance[..., places])
+    return np.asarray(np.einsum("cq,pkq->pkc", inverse, resistance[..., places]))

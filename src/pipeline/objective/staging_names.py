@@ -23,7 +23,9 @@ OF_SEARCH = (
     "value_mean value_deviation excess_mean excess_worst time_mean_s time_deviation_s rise_mean_k evaluations "
     "replicates hit_share early_time_mean_s early_rise_mean_k early_excess_mean"
 )
-OF_CALIBRATION = "printed_peak_k printed_final_k rise_after_stage_3_k same_peak_s same_peak_share same_final_s same_final_share"
+OF_CALIBRATION = (
+    "printed_peak_k printed_final_k rise_after_stage_3_k same_peak_s same_peak_share same_final_s same_final_share"
+)
 
 
 def search_quantities(stages: int, weights: Sequence[str], searches: Sequence[str], use: str) -> set[str]:

@@ -7,9 +7,10 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from pipeline.objective.staging import Charges, charge, objective_of
+from pipeline.cell.records import Battery
+from pipeline.objective.staging import Charges, Limits, charge, objective_of
 from pipeline.objective.staging_grid import make_grid
-from pipeline.objective.staging_optimum import Limits, Problem
+from pipeline.objective.staging_optimum import Problem
 from pipeline.objective.staging_records import READINGS, Currents, Plan, Reading, StagingProblem
 from pipeline.search.box import SearchSettings
 from pipeline.search.history import History
@@ -28,9 +29,9 @@ class Searched(NamedTuple):
     course: Columns
 
 
-def problem_of(battery: object, plan: Plan, currents: Currents, reading: Reading) -> Problem:
+def problem_of(battery: Battery, plan: Plan, currents: Currents, reading: Reading) -> Problem:
     """Return the stages of a plan with a battery, its limits and a reading of the rise."""
-    grid = make_grid(battery, plan.soc_edges, plan.ambient_c, currents.low)  # type: ignore[arg-type]
+    grid = make_grid(battery, plan.soc_edges, plan.ambient_c, currents.low)
     return Problem(grid, currents, reading, Limits(plan.voltage_v, plan.temperature_c))
 
 

@@ -75,7 +75,9 @@ def _weighted(found: Found) -> Iterator[Quantity]:
         yield Quantity(f"{name}_printed_fitness", float(fit[0]), "1", f"their fitness, {name}")
         yield Quantity(f"{name}_best_value", float(values[1]), "1", f"least objective there is, {name}")
         yield Quantity(f"{name}_best_fitness", float(fit[1]), "1", f"its fitness, {name}")
-        yield Quantity(f"{name}_agreeing_share", best.agreeing, "1", "share of the local solver's starts that end there")
+        yield Quantity(
+            f"{name}_agreeing_share", best.agreeing, "1", "share of the local solver's starts that end there"
+        )
         yield Quantity(f"{name}_value", float(values[2]), "1", f"objective that the search found, {name}")
         yield Quantity(f"{name}_time_s", float(rows.time_s[2]), "s", f"charging time it found, {name}")
         for reading in READINGS:
@@ -105,7 +107,9 @@ def _kept(found: Found) -> Iterator[Quantity]:
 def _baselines(found: Found) -> Iterator[Quantity]:
     nothing = Constant(np.nan, np.nan, np.nan, np.nan)
     time, peak, final = (found.constants.get(name, nothing) for name in ("same_time", "same_peak", "same_final"))
-    yield Quantity("constant_same_time_a", time.current_a, "A", "constant current that takes the printed currents' time")
+    yield Quantity(
+        "constant_same_time_a", time.current_a, "A", "constant current that takes the printed currents' time"
+    )
     yield Quantity("constant_same_time_peak_k", time.peak_k, "K", "its highest rise")
     yield Quantity("constant_same_time_final_k", time.final_k, "K", "its final rise")
     for reading, one in (("peak", peak), ("final", final)):

@@ -70,9 +70,7 @@ def handles(titles: dict[str, str], found: dict[str, Mark], markers: bool = True
 
 def legend(drawing: Figure, titles: dict[str, str], found: dict[str, Mark], markers: bool = False) -> None:
     """Put one legend of the modes above all axes."""
-    drawing.legend(
-        handles=handles(titles, found, markers), loc="outside upper center", ncols=min(len(found), 4) or 1
-    )
+    drawing.legend(handles=handles(titles, found, markers), loc="outside upper center", ncols=min(len(found), 4) or 1)
 
 
 def nothing(axes: Axes, why: str) -> None:

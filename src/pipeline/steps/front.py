@@ -62,12 +62,12 @@ def _calibrations(calibrated: Mapping[str, tuple[Charges, list[Gain]]]) -> dict[
 
 
 def _stages(calibrated: Mapping[str, tuple[Charges, list[Gain]]], printed: Any) -> dict[str, list[Any]]:
-    rows = [
-        (name, stage + 1, float(current), float(shown.end_k[0, stage]))
-        + tuple(float(gain.optimum.currents_a[stage]) for gain in gained)
-        for name, (shown, gained) in calibrated.items()
-        for stage, current in enumerate(printed)
-    ]
+    rows = []
+    for name, (shown, gained) in calibrated.items():
+        best = [gain.optimum.currents_a for gain in gained]
+        for stage, current in enumerate(printed):
+            found = (float(currents[stage]) for currents in best)
+            rows.append((name, stage + 1, float(current), float(shown.end_k[0, stage]), *found))
     return _columns(("calibration", "stage", "printed_a", "printed_rise_k", "same_peak_a", "same_final_a"), rows)
 
 

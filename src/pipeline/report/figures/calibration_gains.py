@@ -29,7 +29,9 @@ def draw(figure: FigureCard, data: ReportData) -> Figure:
             row = (gains["calibration"] == name) & (gains["rise"] == reading)
             share = 100.0 * float(gains["saved_share"][row][0])
             saved.barh(place + offset, share, 0.36, color=mark.colour, hatch=hatch, edgecolor="white", linewidth=0)
-            saved.text(share + 0.2, place + offset, f"{share:.1f} % at the same {reading} rise", va="center", fontsize=9)
+            saved.text(
+                share + 0.2, place + offset, f"{share:.1f} % at the same {reading} rise", va="center", fontsize=9
+            )
         own = stages["calibration"] == name
         currents.plot(
             stages["stage"][own], stages["same_peak_a"][own], color=mark.colour, linestyle=mark.line, marker=mark.marker

@@ -43,7 +43,9 @@ def draw(figure: FigureCard, data: ReportData) -> Figure:
 def _line(axes: Axes, curve: Any, factor: float, mark: style.Mark, label: str | None = None) -> None:
     if isinstance(curve, Mapping) and "value" in curve:
         values = factor * curve.get("scale", 1.0) * np.array(curve["value"])
-        axes.plot(100.0 * np.array(curve["soc"]), values, color=mark.colour, marker=mark.marker, markersize=3.5, label=label)
+        axes.plot(
+            100.0 * np.array(curve["soc"]), values, color=mark.colour, marker=mark.marker, markersize=3.5, label=label
+        )
     elif isinstance(curve, float | int):
         axes.plot([0.0, 100.0], [factor * curve] * 2, color=mark.colour, label=label)
     else:

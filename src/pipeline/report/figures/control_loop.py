@@ -33,7 +33,12 @@ def draw(figure: FigureCard, data: ReportData) -> Figure:
     used = style.MARKS[0].colour
     chart.box((0.0, 0.0), 2.8, 1.3, "best nest\n(reference)")
     chart.box((3.9, 0.0), 2.0, 1.3, "e = best\n- X", round_by=0.5)
-    chart.box((10.4, 2.3), 8.2, 1.5, f"P: Kp e, with Kp = -L x {settings['step_scale']:g}\nL: a Lévy number times a normal one")
+    chart.box(
+        (10.4, 2.3),
+        8.2,
+        1.5,
+        f"P: Kp e, with Kp = -L x {settings['step_scale']:g}\nL: a Lévy number times a normal one",
+    )
     integral = f"Ki = {settings['ki']:g}, leak = {settings['leak']:g}" if settings["ki"] > 0 else "Ki = 0: left out"
     chart.box((10.4, 0.0), 8.2, 1.5, f"I: Ki (e + leak e' + leak² e'' + ...)\n{integral}", used)
     chart.box((10.4, -2.1), 8.2, 1.0, "D: none", "#b8b8b8")

@@ -29,8 +29,12 @@ def draw(figure: FigureCard, data: ReportData) -> Figure:
         if not rows.any():
             continue
         edges = np.append(stages["soc_from"][rows], stages["soc_to"][rows][-1]) * 100.0
-        current.stairs(stages["current_a"][rows], edges, color=mark.colour, linestyle=mark.line, linewidth=1.8, baseline=None)
-        rise.plot(edges, np.append(0.0, stages["rise_k"][rows]), color=mark.colour, linestyle=mark.line, marker=mark.marker)
+        current.stairs(
+            stages["current_a"][rows], edges, color=mark.colour, linestyle=mark.line, linewidth=1.8, baseline=None
+        )
+        rise.plot(
+            edges, np.append(0.0, stages["rise_k"][rows]), color=mark.colour, linestyle=mark.line, marker=mark.marker
+        )
         time = float(cases["time_s"][cases["case"] == name][0])
         peak = float(cases["peak_k"][cases["case"] == name][0])
         titles[name], seen[name] = f"{title}: {time:.0f} s, {peak:.2f} K", mark

@@ -63,7 +63,9 @@ def _names(axes: Axes, starts: np.ndarray, ends: np.ndarray) -> None:
 def _printed(axes: Axes, options: StageTemperatureOptions, ends: np.ndarray) -> None:
     """Mark what the text says was measured: the highest rise, the rise after the third stage, the end."""
     mark = style.MARKS[2]
-    axes.axhline(options.highest_k, color=mark.colour, linestyle=mark.line, linewidth=1.2, label="printed, highest measured")
+    axes.axhline(
+        options.highest_k, color=mark.colour, linestyle=mark.line, linewidth=1.2, label="printed, highest measured"
+    )
     axes.plot(ends[2:3], [options.after_three_k], mark.marker, color=mark.colour, markersize=8, linestyle="",
               label="printed, highest of S1 to S3")  # fmt: skip
     axes.axvline(options.end_s, color=mark.colour, linewidth=1.2, label="printed, end")

@@ -51,7 +51,12 @@ def _field(axes: Axes, data: ReportData, reading: str, cases: dict[str, str]) ->
         row = found["case"] == name
         if row.any():
             axes.plot(
-                found["time_s"][row], found[f"{reading}_k"][row], mark.marker, color=mark.colour, markersize=8, label=title
+                found["time_s"][row],
+                found[f"{reading}_k"][row],
+                mark.marker,
+                color=mark.colour,
+                markersize=8,
+                label=title,
             )
     _constant(axes, data, reading)
 
