@@ -1,7 +1,7 @@
 """The stage currents as a smooth problem with slacks for the rise, for sequential quadratic programming.
 
-Kraft, A software package for sequential quadratic programming (1988), DFVLR-FB 88-28, by scipy. Variables are the stages'
-times in units of their shortest, over which the charging time is a sum, and slacks that bound the rise from above.
+Kraft, A software package for sequential quadratic programming (1988), DFVLR-FB 88-28, by scipy. Variables are the
+stages' times in units of their shortest, whose sum is the charging time, and slacks that bound the rise from above.
 """
 
 from __future__ import annotations

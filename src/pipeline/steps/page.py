@@ -14,6 +14,7 @@ from pipeline.report.function_tables import function_tables
 from pipeline.report.pages import PageContent, PageFigure, Paper, render
 from pipeline.report.parameters import parameters
 from pipeline.report.search_tables import search_tables
+from pipeline.report.staging_tables import staging_tables
 from pipeline.report.tables import ReportTable
 from pipeline.steps.labels import report_data
 
@@ -53,7 +54,7 @@ def _tables(data: ReportData, inputs: Mapping[str, Path]) -> list[ReportTable]:
     shown = [report_tables.charges(data), report_tables.energy(data)]
     if "panel" in inputs:
         shown.insert(0, report_tables.table_1(data, REFERENCE / "solar_table1.csv"))
-    return shown + search_tables(data, REFERENCE) + function_tables(data)
+    return shown + search_tables(data, REFERENCE) + staging_tables(data) + function_tables(data)
 
 
 def _verdicts(inputs: Mapping[str, Path]) -> dict[str, Any]:
