@@ -45,7 +45,7 @@ def table_3(data: ReportData) -> ReportTable:
             (
                 _words(found["weights"][place] or "weights_5_5"),
                 _source(found["found_by"][place]),
-                _READINGS.get(found["rise"][place] or "", None),
+                _READINGS.get(found["rise"][place] or ""),
                 float(found["time_s"][place]),
                 float(found["peak_k"][place]),
                 float(found["final_k"][place]),
