@@ -132,7 +132,7 @@ def make_grid(battery: Battery, edges: Sequence[float], ambient_c: float, slowes
 def _check(battery: Battery, edges: Sequence[float]) -> None:
     for part in ("side_reaction", "acceptance", "charge_transfer"):
         if getattr(battery, part) is not None:
-            raise ValueError(f"battery has a {part}; stages are searched for batteries of resistances and pairs alone")
+            raise ValueError(f"battery has {part}; stages are searched for batteries of resistances and pairs alone")
     for name, pair in battery.pairs.items():
         if isinstance(pair.resistance_ohm, Logarithm | Root):
             raise ValueError(f"pairs.{name}.resistance_ohm must be a number, a polynomial or a table")
