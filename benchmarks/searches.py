@@ -7,16 +7,21 @@ population at once, or a point at a time. A library that is not installed is sai
 
 from __future__ import annotations
 
+import importlib.util
 import logging
 import statistics
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from pathlib import Path
 
 import numpy as np
+import yaml
 
 from pipeline.search.benchmark_functions import Problem, problem
+from pipeline.search.box import Box
 from pipeline.search.registry import algorithm, replicated, settings_from
 
+CONF = Path(__file__).parents[1] / "conf"
 NESTS, EVALUATIONS, ROUNDS, DIMENSIONS = 25, 6000, 7, 8
 Search = Callable[[Problem, int], tuple[float, int]]
 """Problem and seed to the best value and the evaluations spent."""
@@ -99,6 +104,30 @@ def niapy_search() -> Search | None:
     return run
 
 
+def problems() -> Iterator[tuple[str, Problem]]:
+    for name in ("sphere", "rastrigin"):
+        yield f"{name}, shifted", problem(name, "shifted", DIMENSIONS, 0.4, 1)
+    if importlib.util.find_spec("pipeline.objective.staging"):
+        yield "stage currents", staged_charge()
+
+
+def staged_charge() -> Problem:
+    """Return the currents of eight stages, time and rise of equal weight."""
+    from pipeline.objective.staging import Limits, objective_of
+    from pipeline.objective.staging_grid import make_grid
+    from pipeline.objective.staging_records import Currents, Weights
+
+    from pipeline.cell.records import Battery
+
+    sheet = yaml.safe_load((CONF / "battery/lfp_8ah.yaml").read_text())
+    sheet.pop("sources", None)
+    grid = make_grid(Battery(**sheet), np.linspace(0.1, 0.9, DIMENSIONS + 1), 25.0, 8.0)
+    span, weights = Currents(low=8.0, high=40.0), Weights(time=5.0, rise=5.0)
+    objective = objective_of(grid, span, weights, "positive", Limits(3.65, 55.0))
+    edge = np.ones(DIMENSIONS)
+    return Problem(objective, Box(8.0 * edge, 40.0 * edge), np.full(DIMENSIONS, np.nan))
+
+
 def main() -> None:
     logging.disable(logging.CRITICAL)
     generations = (EVALUATIONS // NESTS - 1) // 2
@@ -118,8 +147,7 @@ def main() -> None:
         "mealpy, OriginalCSA": mealpy_search(),
         "NiaPy, CuckooSearch": niapy_search(),
     }
-    for name in ("sphere", "rastrigin"):
-        where = problem(name, "shifted", DIMENSIONS, 0.4, 1)
+    for name, where in problems():
         times: dict[str, list[float]] = {}
         found: dict[str, list[tuple[float, int]]] = {}
         for seed in range(-1, ROUNDS):
@@ -131,7 +159,7 @@ def main() -> None:
                 if seed >= 0:
                     times.setdefault(search, []).append(time.process_time() - begin)
                     found.setdefault(search, []).append(result)
-        print(f"\n{name}, shifted, {DIMENSIONS} dimensions, {EVALUATIONS} evaluations, {ROUNDS} rounds")
+        print(f"\n{name}, {DIMENSIONS} dimensions, {EVALUATIONS} evaluations, {ROUNDS} rounds")
         print(f"{'search':34s} {'ms a run':>9s} {'us/evaluation':>14s} {'over plain':>11s} {'median best':>12s}")
         each = {
             search: statistics.median(times[search]) / statistics.median(count for _, count in found[search])
@@ -143,7 +171,7 @@ def main() -> None:
                 continue
             best = statistics.median(value for value, _ in found[search])
             ratio = each[search] / each["cuckoo, plain"]
-            row = f"{1e3 * each[search] * EVALUATIONS:9.2f} {1e6 * each[search]:14.2f} {ratio:10.1f}x {best:12.3g}"
+            row = f"{1e3 * each[search] * EVALUATIONS:9.2f} {1e6 * each[search]:14.2f} {ratio:10.1f}x {best:12.6g}"
             print(f"{search:34s} {row}")
 
 
