@@ -27,7 +27,7 @@ def functions(study: Study) -> Iterator[Draft]:
         "functions",
         "functions",
         "functions",
-        {"functions": plain(chosen)},
+        {"functions": plain(chosen), "seed": study.seed},
         inputs={name: name for name in names},
         sections=("functions",),
         shown={f"{file}.parquet": f"functions/{file}.parquet" for file in _FILES},

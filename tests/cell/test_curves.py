@@ -4,7 +4,7 @@ from scipy.integrate import quad
 
 from pipeline.cell.circuit import CELL
 from pipeline.cell.curves import compile_curves, integral, value_and_slope
-from pipeline.cell.records import Logarithm, Polynomial, Root, Tabulated
+from pipeline.cell.records import Inverse, Logarithm, Polynomial, Root, Shepherd, Tabulated
 from pipeline.cell.resting import value_of
 
 CURVES = {
@@ -12,6 +12,8 @@ CURVES = {
     "polynomial": Polynomial(polynomial=[2.15, -0.17, 0.02, 0.3]),
     "logarithm": Logarithm(constant=1.3, factor=0.02, soc_offset=0.02, depth_offset=1e-3),
     "root": Root(factor=1.2, soc_offset=0.02),
+    "shepherd": Shepherd(full_v=12.3, polarisation_v=0.35),
+    "inverse": Inverse(factor=0.048, depth_offset=0.1),
     "table": Tabulated(soc=[0, 0.1, 0.4, 0.8, 1], value=[2.8, 3.1, 3.2, 3.3, 3.5], scale=2.0),
 }
 

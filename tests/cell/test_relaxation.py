@@ -33,7 +33,7 @@ def test_a_constant_forcing_relaxes_by_the_exponential(z):
     run = weights(z)
     for j in range(3):
         assert run["decay"][0, 0, j] == pytest.approx(math.exp(-z * NODES[j]), rel=1e-14, abs=1e-300)
-        assert run["node"][0, 0, j].sum() == pytest.approx(-math.expm1(-z * NODES[j]), rel=1e-13)
+        assert run["node"][0, 0, :, j].sum() == pytest.approx(-math.expm1(-z * NODES[j]), rel=1e-13)
 
 
 @pytest.mark.parametrize("z", [0.3, 2.99, 3.01, 30.0])
@@ -44,7 +44,7 @@ def test_node_weights_are_the_convolution_of_the_basis(z):
             expected, _ = quad(
                 lambda t, j=j, node=node: z * math.exp(-z * (NODES[j] - t)) * basis(node, t), 0, NODES[j], epsabs=1e-14
             )
-            assert run["node"][0, 0, j, node] == pytest.approx(expected, abs=1e-13)
+            assert run["node"][0, 0, node, j] == pytest.approx(expected, abs=1e-13)
 
 
 @pytest.mark.parametrize("z", RATIOS)
@@ -56,8 +56,8 @@ def test_moments_obey_the_equation_they_integrate(z):
     left = run["start_moment"][0, 0].sum()
     assert tau * (1.0 - run["decay"][0, 0, 2]) == pytest.approx(left, rel=1e-10 if z > 1e-4 else 1e-8)
     for forcing in range(3):
-        taken = length * RADAU[2, forcing] - run["moment"][0, 0, :, forcing].sum()
-        assert tau * run["node"][0, 0, 2, forcing] == pytest.approx(taken, rel=1e-9, abs=1e-9 * length)
+        taken = length * RADAU[2, forcing] - run["moment"][0, 0, forcing].sum()
+        assert tau * run["node"][0, 0, forcing, 2] == pytest.approx(taken, rel=1e-9, abs=1e-9 * length)
 
 
 @pytest.mark.parametrize("z", [0.3, 3.01, 30.0])
@@ -71,4 +71,4 @@ def test_each_moment_is_the_integral_of_response_times_basis(z):
         start, _ = quad(lambda t, node=node: math.exp(-z * t) * basis(node, t), 0, 1, epsabs=1e-13)
         assert run["start_moment"][0, 0, node] == pytest.approx(start, abs=1e-12)
         expected, _ = quad(lambda t, node=node: response(1, t) * basis(node, t), 0, 1, epsabs=1e-11)
-        assert run["moment"][0, 0, node, 1] == pytest.approx(expected, abs=1e-10)
+        assert run["moment"][0, 0, 1, node] == pytest.approx(expected, abs=1e-10)

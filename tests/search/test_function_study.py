@@ -13,6 +13,7 @@ from pipeline.search.function_quantities import quantities
 from pipeline.search.function_records import HALF_WIDTHS, FunctionStudy
 from pipeline.search.function_statistics import contests, friedman, holm, ranks, signed_rank, speedup, statistics
 from pipeline.search.function_study import Runs, run
+from pipeline.search.loop_quantities import quantities as loops
 from pipeline.search.registry import replicated
 
 VALUES = {
@@ -96,9 +97,15 @@ def test_quantities_have_the_names_that_are_promised(runs):
     chosen = study()
     variants = list(chosen.variants.searches)
     numbers = quantities(chosen, rows, contests(runs, "cuckoo", variants), ranks(rows, variants))
+    numbers += loops(chosen, 3)
     listed = [one.name for one in numbers]
     assert sorted(listed) == sorted(names(chosen))
     by_name = {one.name: one.value for one in numbers}
+    assert by_name["cuckoo_loop_error"] == 0.0, "plain search has no error for an integral to remove"
+    kp = by_name["kp_median"]
+    assert by_name["inertia_loop_error"] == pytest.approx(0.35 / (0.35 + kp))
+    assert (by_name["integral_loop_error"], by_name["integral_loop_stable"]) == (0.0, 1.0)
+    assert by_name["kp_negative_share"] == pytest.approx(0.5, abs=0.01)
     assert by_name["budget"] == 420.0
     assert by_name["inertia_sphere_centred_mean"] == row_of(rows, "inertia", "sphere", "centred").mean
     shares = [row_of(rows, "cuckoo", name, "shifted").success_share for name in VALUES["functions"]]

@@ -43,6 +43,10 @@ CELL = np.dtype(
         ("side_arrhenius_k", np.float64),
         ("side_reference_k", np.float64),
         ("gas_v", np.float64),
+        ("hysteresis", np.int64),
+        ("hysteresis_v", np.float64),
+        ("hysteresis_start_v", np.float64),
+        ("hysteresis_per_depth", np.float64),
         ("thermoneutral", np.int64),
         ("thermoneutral_v", np.float64),
         ("heat_capacity_j_k", np.float64),
@@ -89,6 +93,10 @@ def compile_cell(battery: Battery) -> Cell:
     cell["pairs"], cell["relaxations"], cell["transfer"] = len(pairs), len(tau), transfer is not None
     cell["tau_s"][:] = 1.0
     cell["tau_s"][: len(tau)] = tau
+    if battery.hysteresis is not None:
+        cell["hysteresis"], cell["hysteresis_v"] = 1, battery.hysteresis.amplitude_v
+        cell["hysteresis_start_v"] = battery.hysteresis.initial_share * battery.hysteresis.amplitude_v
+        cell["hysteresis_per_depth"] = battery.hysteresis.rate_per_ah * battery.capacity_ah
     if battery.thermoneutral_voltage_v is not None:
         cell["thermoneutral"], cell["thermoneutral_v"] = 1, battery.thermoneutral_voltage_v
     cell["heat_capacity_j_k"] = battery.thermal.heat_capacity_j_k * k
@@ -109,6 +117,15 @@ def _compile_side(cell: Cell, side: SideReaction, k: float) -> None:
 
 
 @inlined
+def side_exponent(cell: Cell, node_v: float, temperature_k: float) -> tuple[float, float]:
+    """Return the exponent of the side current and the voltage that raises it by one [V]."""
+    scale = cell.side_scale_v + cell.side_scale_v_per_k * temperature_k
+    above = temperature_k - cell.side_reference_k
+    warmth = above * (cell.side_linear_per_k + cell.side_arrhenius_k / (temperature_k * cell.side_reference_k))
+    return (node_v - cell.side_reference_v) / scale + warmth, scale
+
+
+@inlined
 def side_current(cell: Cell, node_v: float, temperature_k: float) -> tuple[float, float]:
     """Return the side current of a cell [A] and its slope with voltage [A/V].
 
@@ -116,12 +133,23 @@ def side_current(cell: Cell, node_v: float, temperature_k: float) -> tuple[float
     """
     if cell.side == 0:
         return 0.0, 0.0
-    scale = cell.side_scale_v + cell.side_scale_v_per_k * temperature_k
-    above = temperature_k - cell.side_reference_k
-    warmth = above * (cell.side_linear_per_k + cell.side_arrhenius_k / (temperature_k * cell.side_reference_k))
-    exponent = (node_v - cell.side_reference_v) / scale + warmth
+    exponent, scale = side_exponent(cell, node_v, temperature_k)
     current = cell.side_a * math.exp(min(exponent, 300.0))
     return current * (1.0 + max(exponent - 300.0, 0.0)), current / scale
+
+
+@inlined
+def hysteresis_at(cell: Cell, before_v: float, moved: float) -> tuple[float, float]:
+    """Return the hysteresis after 1 - SOC has moved one way, and its slope with 1 - SOC [V].
+
+    Arguments
+    ---------
+    before_v : its value before [V].
+    moved : change of 1 - SOC, negative when charging [1].
+    """
+    goal = cell.hysteresis_v if moved < 0.0 else 0.0
+    left = (goal - before_v) * math.exp(-cell.hysteresis_per_depth * abs(moved))
+    return goal - left, -cell.hysteresis_per_depth * abs(left)
 
 
 @kernel

@@ -8,10 +8,10 @@ from typing import Any
 
 import numpy as np
 
-from pipeline.cell.records import Curve, Logarithm, Polynomial, Root
+from pipeline.cell.records import Curve, Inverse, Logarithm, Polynomial, Root, Shepherd
 from pipeline.jit import inlined, kernel
 
-CONSTANT, POLYNOMIAL, LOGARITHM, ROOT, TABLE = range(5)
+CONSTANT, POLYNOMIAL, LOGARITHM, ROOT, SHEPHERD, INVERSE, TABLE = range(7)
 
 
 MOST_CURVES, MOST_PIECES = 10, 64
@@ -52,6 +52,12 @@ def _compile(bank: Any, row: int, curve: Curve, factor: float) -> None:
     elif isinstance(curve, Root):
         bank["kind"][row] = ROOT
         parameters[:2] = factor * curve.factor, curve.soc_offset
+    elif isinstance(curve, Shepherd):
+        bank["kind"][row] = SHEPHERD
+        parameters[:2] = factor * curve.full_v, factor * curve.polarisation_v
+    elif isinstance(curve, Inverse):
+        bank["kind"][row] = INVERSE
+        parameters[:2] = factor * curve.factor, curve.depth_offset
     else:
         from scipy.interpolate import PchipInterpolator
 
@@ -94,6 +100,10 @@ def value_and_slope(bank: Any, row: int, x: float) -> tuple[float, float]:
         above = 1.0 - x + p[1]
         root = math.sqrt(x * above)
         return p[0] * root, 0.5 * p[0] * (above - x) / root
+    if kind == SHEPHERD:
+        return p[0] - p[1] * x / (1.0 - x), -p[1] / (1.0 - x) ** 2
+    if kind == INVERSE:
+        return p[0] / (x + p[1]), -p[0] / (x + p[1]) ** 2
     piece = piece_of(bank, row, x)
     c = bank.coefficients[row, piece]
     d = x - bank.knots[row, piece]
@@ -115,6 +125,10 @@ def integral(bank: Any, row: int, x: float) -> float:
         return float(-p[0] * x + p[1] * (above * math.log(above) + lower))
     if kind == ROOT:
         return math.nan
+    if kind == SHEPHERD:
+        return float(-p[0] * x - p[1] * (x + math.log(1.0 - x)))
+    if kind == INVERSE:
+        return float(-p[0] * math.log(x + p[1]))
     piece = piece_of(bank, row, x)
     c = bank.coefficients[row, piece]
     d = x - bank.knots[row, piece]

@@ -31,6 +31,20 @@ class Root(Record):
     soc_offset: float = Field(ge=0, description="keeps the empty end above zero [1]")
 
 
+class Shepherd(Record):
+    """`full_v - polarisation_v x / (1 - x)` with x = 1 - SOC: Shepherd's potential, without bound below when empty."""
+
+    full_v: float = Field(description="value when full [V]")
+    polarisation_v: float = Field(ge=0, description="how far it has fallen at SOC 1/2 [V]")
+
+
+class Inverse(Record):
+    """`factor / (1 - SOC + depth_offset)`, the shape of a polarisation resistance on charge."""
+
+    factor: float = Field(gt=0, description="numerator; near the value when empty")
+    depth_offset: float = Field(ge=0, description="how far beyond full the pole lies [1]")
+
+
 class Tabulated(Record):
     """Values on a grid of SOC, joined by monotone cubics (PCHIP)."""
 
@@ -49,7 +63,7 @@ class Tabulated(Record):
         return self
 
 
-Curve = float | Polynomial | Logarithm | Root | Tabulated
+Curve = float | Polynomial | Logarithm | Root | Shepherd | Inverse | Tabulated
 """A quantity that may depend on SOC; a number is a constant."""
 
 
@@ -100,6 +114,20 @@ class Thermal(Record):
     resistance_k_w: float = Field(gt=0, description="thermal resistance to the ambient [K/W]")
 
 
+class Hysteresis(Record):
+    """A part of the stored potential that follows the direction of the current, the exponential zone of a battery.
+
+    It moves with the charge `q` that passes: towards `amplitude_v` while charging,
+    `h = A - (A - h0) exp(-B q)`, and towards zero while discharging, `h = h0 exp(-B q)`.
+    """
+
+    amplitude_v: float = Field(gt=0, description="value A after long charging, per cell; 0 after long discharging [V]")
+    rate_per_ah: float = Field(gt=0, description="rate B at which it follows the charge that passes [1/(A h)]")
+    initial_share: float = Field(
+        0.0, ge=0, le=1, description="value at the start in units of the amplitude: 0 comes from a discharge [1]"
+    )
+
+
 class Battery(Record):
     """Cells in series at one temperature; every circuit value is per cell, the thermal ones per battery."""
 
@@ -120,12 +148,19 @@ class Battery(Record):
     acceptance: Acceptance | None = Field(None, description="acceptance pair; none where absent")
     charge_transfer: ChargeTransfer | None = Field(None, description="charge transfer; none where absent")
     side_reaction: SideReaction | None = Field(None, description="side reaction; none where absent")
+    hysteresis: Hysteresis | None = Field(None, description="exponential zone; none where absent")
     thermal: Thermal = Field(description="thermal values")
 
     @property
     def scale(self) -> float:
         """Return the number of cells in parallel that the scaled battery stands for, not necessarily whole."""
         return 1.0 if self.scaled_to_capacity_ah is None else self.scaled_to_capacity_ah / self.capacity_ah
+
+    @property
+    def fills(self) -> bool:
+        """Tell whether charging reaches SOC 1 in finite time: neither acceptance nor potential has a pole there."""
+        curve = self.open_circuit_voltage_v
+        return self.acceptance is None and not (isinstance(curve, Logarithm) and curve.depth_offset == 0.0)
 
     @property
     def capacity_in_use_ah(self) -> float:

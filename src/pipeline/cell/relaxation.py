@@ -21,6 +21,9 @@ NODES = np.array([(4.0 - _ROOT) / 10.0, (4.0 + _ROOT) / 10.0, 1.0])
 LAGRANGE = np.linalg.inv(np.vander(NODES, increasing=True))
 # Integrals of the basis functions from 0 to each node: the matrix of Radau IIA; its last row are the weights.
 RADAU = (NODES[:, None] ** np.arange(1, 4) / np.arange(1, 4)) @ LAGRANGE
+# The same with the basis function first and a fourth moment, the start, where nothing has passed yet.
+PASSED = np.hstack([RADAU, np.zeros((3, 1))])
+PASSED[:, :3] = RADAU.T
 # Basis functions extrapolated to the start of the step.
 AT_START = LAGRANGE[0].copy()
 _FACTORIAL = np.array([1.0, 1.0, 2.0])
@@ -32,20 +35,23 @@ PHI = 7
 MOST_SLOTS = 24
 WEIGHT_FIELDS = [
     ("length_s", np.float64, (MOST_SLOTS,)),
-    ("decay", np.float64, (MOST_SLOTS, MOST_RELAXATIONS, 3)),
-    ("node", np.float64, (MOST_SLOTS, MOST_RELAXATIONS, 3, 3)),
-    ("start_moment", np.float64, (MOST_SLOTS, MOST_RELAXATIONS, 3)),
-    ("moment", np.float64, (MOST_SLOTS, MOST_RELAXATIONS, 3, 3)),
+    ("decay", np.float64, (MOST_SLOTS, MOST_RELAXATIONS, 4)),
+    ("node", np.float64, (MOST_SLOTS, MOST_RELAXATIONS, 3, 4)),
+    ("start_moment", np.float64, (MOST_SLOTS, MOST_RELAXATIONS, 4)),
+    ("moment", np.float64, (MOST_SLOTS, MOST_RELAXATIONS, 3, 4)),
     ("phi", np.float64, (8,)),
     ("monomial", np.float64, (3, 3)),
     ("row", np.float64, (3,)),
 ]
 """Fields of a record that holds the weights of several step lengths, a slot each.
 
-decay[slot, k, j] : what is left of the starting value at node j.
-node[slot, k, j, l] : effect of the forcing at node l on the value at node j.
+The last index runs over the moments of a step, the three nodes and the start, or over the basis functions and a zero:
+four numbers side by side.
+
+decay[slot, k, j] : what is left of the starting value at moment j.
+node[slot, k, l, j] : effect of the forcing at node l on the value at moment j.
 start_moment[slot, k, l] : integral of the starting value's remains times basis function l, over the step [s].
-moment[slot, k, l, m] : integral of the response to forcing m times basis function l, over the step [s].
+moment[slot, k, m, l] : integral of the response to forcing m times basis function l, over the step [s].
 """
 
 
@@ -96,7 +102,10 @@ def fill(weights: Any, slot: int, length_s: float, tau_s: NDArray[np.float64], r
     for k in range(relaxations):
         z = length_s / tau_s[k]
         for j in range(3):
-            weights.decay[slot, k, j] = response(z, NODES[j], phi, weights.node[slot, k, j])
+            weights.decay[slot, k, j] = response(z, NODES[j], phi, row)
+            for node in range(3):
+                weights.node[slot, k, node, j] = row[node]
+        weights.decay[slot, k, 3] = 1.0
         phi_functions(-z, PHI - 1, phi)
         # Integrals of theta^q times the response to theta^p, and of theta^q exp(-z theta).
         for p in range(3):
@@ -114,6 +123,6 @@ def fill(weights: Any, slot: int, length_s: float, tau_s: NDArray[np.float64], r
                 for q in range(3):
                     row[p] += LAGRANGE[q, node] * monomial[p, q]
             for other in range(3):
-                weights.moment[slot, k, node, other] = (
+                weights.moment[slot, k, other, node] = (
                     LAGRANGE[0, other] * row[0] + LAGRANGE[1, other] * row[1] + LAGRANGE[2, other] * row[2]
                 )

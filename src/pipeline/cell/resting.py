@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 
-from pipeline.cell.records import Battery, Curve, Logarithm, Polynomial, Root
+from pipeline.cell.records import Battery, Curve, Inverse, Logarithm, Polynomial, Root, Shepherd
 
 
 def value_of(curve: Curve, soc: float) -> float:
@@ -21,6 +21,10 @@ def value_of(curve: Curve, soc: float) -> float:
         return curve.constant + curve.factor * math.log(above / below) if below > 0.0 else math.inf
     if isinstance(curve, Root):
         return curve.factor * math.sqrt(depth * (soc + curve.soc_offset))
+    if isinstance(curve, Shepherd):
+        return curve.full_v - curve.polarisation_v * depth / soc if soc > 0.0 else -math.inf
+    if isinstance(curve, Inverse):
+        return curve.factor / (depth + curve.depth_offset) if depth + curve.depth_offset > 0.0 else math.inf
     for n in range(1, len(curve.soc)):
         if soc <= curve.soc[n]:
             share = (soc - curve.soc[n - 1]) / (curve.soc[n] - curve.soc[n - 1])

@@ -28,7 +28,7 @@ def check(battery: Battery, mode: Mode, settings: ChargeSettings) -> None:
     for name, phase in mode.phases.items():
         _check_phase(resolver, f"phases.{name}", phase, battery, settings)
     stop = _numbers(resolver.optional(mode.stop, "stop"))
-    _check_until("stop", stop, settings)
+    _check_until("stop", stop, battery, settings)
     _check_ends(mode, stop, settings)
     unused = sorted(set(mode.knobs) - resolver.used)
     if unused:
@@ -56,7 +56,7 @@ def _check_phase(resolver: Resolver, where: str, phase: Phase, battery: Battery,
                 f"(SOC {settings.initial_soc:g}, {settings.ambient_c:g} degC); give more"
             )
     until = _numbers(resolver.optional(phase.until, f"{where}.until"))
-    _check_until(f"{where}.until", until, settings)
+    _check_until(f"{where}.until", until, battery, settings)
     if phase.until.current_a is not None and not isinstance(waveform, ConstantVoltage | ConstantCurrent):
         raise UserError(f"{where}.until.current_a: only a constant current or voltage can end by current")
 
@@ -93,12 +93,15 @@ def _check_period(where: str, waveform: Waveform, values: Mapping[str, float]) -
                 )
 
 
-def _check_until(where: str, until: Mapping[str, float], settings: ChargeSettings) -> None:
+def _check_until(where: str, until: Mapping[str, float], battery: Battery, settings: ChargeSettings) -> None:
     for name, value in until.items():
         if name != "temperature_c" and value <= 0.0:
             raise UserError(f"{where}.{name}: {value:g}; it must be greater than 0")
-    if until.get("soc", 0.5) >= 1.0:
-        raise UserError(f"{where}.soc: {until['soc']:g} is never reached; give less than 1")
+    soc = until.get("soc", 0.5)
+    if soc > 1.0 or (soc == 1.0 and not battery.fills):
+        raise UserError(
+            f"{where}.soc: {soc:g} is never reached; give {'1 or less' if battery.fills else 'less than 1'}"
+        )
     if until.get("temperature_c", 1e9) <= settings.ambient_c:
         raise UserError(
             f"{where}.temperature_c: {until['temperature_c']:g} degC is not above the ambient's {settings.ambient_c:g}"

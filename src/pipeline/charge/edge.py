@@ -20,6 +20,7 @@ from pipeline.charge.segment import (
     Demand,
     advance,
     choose_control,
+    clear_at_start,
     commit,
     continue_moment,
     guard_at,
@@ -105,10 +106,11 @@ def run_edge(
                     if fresh:
                         if not choose_control(cell, run, demand):
                             return CIRCUIT_FAILED, time_s
-                        gap, what = guard_at(cell, run, demand, limits, START)
-                        if gap <= 0.0 and 0 <= what <= EDGE:
-                            reason = what
-                            break
+                        if not clear_at_start(run, limits):
+                            gap, what = guard_at(cell, run, demand, limits, START)
+                            if gap <= 0.0 and 0 <= what <= EDGE:
+                                reason = what
+                                break
                         proposal_s = proposals[segment, run.control]
                         if proposal_s == math.inf:
                             proposal_s = min(length_s, maximum_step_s if length_s < math.inf else _FIRST_STEP_S)
@@ -131,7 +133,7 @@ def run_edge(
                     note_marks(cell, run, book, time_s, taken_s)
                     if len(book.windows) > 0:
                         write_windows(cell, run, book, time_s, taken_s, length_s)
-                    add_step(run, book, taken_s)
+                    add_step(cell, run, book, taken_s)
                     commit(run)
                     if first and length_s < math.inf:
                         better = 2.0 * taken_s if factor > 2.9 else taken_s
@@ -139,10 +141,11 @@ def run_edge(
                             proposals[segment, run.control] = dyadic(min(better, length_s), length_s)
                     first = False
                     wish_s = max(taken_s, min(proposal_s, 4.0 * taken_s)) * factor if what == NOTHING else proposal_s
-                    proposal_s = min(maximum_step_s, dyadic(wish_s, length_s))
                     remaining_s -= taken_s
                     if remaining_s <= 1e-12 * length_s and length_s < math.inf:
                         remaining_s = 0.0
+                    # To the end of the segment where that is near enough: the same length in every period.
+                    proposal_s = min(maximum_step_s, wish_s if wish_s >= remaining_s else dyadic(wish_s, length_s))
                     time_s = segment_start_s + (length_s - remaining_s) if length_s < math.inf else time_s + taken_s
                     if what >= TO_CURRENT:
                         run.changes += 1

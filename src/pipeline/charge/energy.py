@@ -13,6 +13,7 @@ from pipeline.cell.curves import value_and_slope
 from pipeline.charge.state import (
     DEPTH,
     ELECTRICAL,
+    HYSTERESIS_HEAT,
     PAIR_HEAT,
     RELAXATIONS,
     REVERSIBLE_HEAT,
@@ -57,8 +58,8 @@ def balance(
 
     Arguments
     ---------
-    gains : sums over the run, (9 + relaxations,).
-    before, after : states, (2 + relaxations,).
+    gains : sums over the run, (10 + relaxations,).
+    before, after : states, (3 + relaxations,).
     pairs : names of the pairs.
     """
     chemical = cell.cells * (enthalpy(cell, after[DEPTH]) - enthalpy(cell, before[DEPTH]))
@@ -75,6 +76,7 @@ def balance(
         ("series resistance", "loss", gains[SERIES_HEAT], "R0 I^2"),
         *((f"pair {name}", "loss", gains[PAIR_HEAT + k], "v^2 / R - (v^2 / 2) dC/dt") for k, name in enumerate(names)),
         ("charge transfer", "loss", gains[TRANSFER_HEAT], "overpotential times main current"),
+        *([("hysteresis", "loss", gains[HYSTERESIS_HEAT], "hysteresis times main current")] if cell.hysteresis else []),
         ("side reaction", "loss", gains[SIDE_HEAT], "side current times voltage, less energy of the gas"),
         ("reversible", "loss", gains[REVERSIBLE_HEAT], "main current times T dU/dT"),
         ("sensible", "heat", sensible, "heat that warmed the battery"),

@@ -28,6 +28,9 @@ def step_error(cell: Cell, run: Run, h: float, bypassed: bool) -> float:
     swing = max(abs(at[MAIN, START] - at[MAIN, 2]), abs(at[MAIN, 0] - at[MAIN, 2])) + abs(main) + 1e-300
     flow = abs(at[TOTAL, 2]) + 1e-3 * cell.charge_as / 3600.0
     error = _CURRENT_ERROR * main * main / (swing * flow)
+    if run.near and cell.transfer == 0 and cell.hysteresis == 0:
+        # Every other quantity is a straight line by construction.
+        return float(error)
     voltage = abs(_mismatch(at[SLOW_V])) + abs(at[T, START] * _mismatch(at[ENTROPY]))
     if cell.transfer == 1:
         voltage += abs(_mismatch(at[ETA]))

@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
-from pipeline.cell.circuit import Cell
+from pipeline.cell.circuit import Cell, hysteresis_at
 from pipeline.cell.relaxation import RADAU
 from pipeline.charge.state import (
     CHARGE,
     DEPTH,
     ELECTRICAL,
     ETA,
+    HYSTERESIS,
+    HYSTERESIS_HEAT,
+    HYSTERESIS_V,
     MAIN,
     OHM,
     PAIR_HEAT,
@@ -38,6 +41,7 @@ def finish(cell: Cell, run: Run, slot: int, bypassed: bool, ambient_k: float) ->
     h, n = run.length_s[slot], cell.cells
     # Sums in local names: the record's own cells would be stored and loaded again at every addition.
     main_as = total_as = side_as = voltage_vs = electrical = series = transfer = reversible = side_heat = warm_ks = 0.0
+    hysteresis = 0.0
     for j in range(3):
         b = h * RADAU[2, j]
         main, side, ohm = at[MAIN, j], at[SIDE, j], at[OHM, j]
@@ -50,10 +54,13 @@ def finish(cell: Cell, run: Run, slot: int, bypassed: bool, ambient_k: float) ->
         electrical += b * (slow_v + ohm * total) * total
         series += b * ohm * total * total
         transfer += b * at[ETA, j] * main
+        hysteresis += b * at[HYSTERESIS_V, j] * main
         reversible += b * at[REVERSIBLE, j]
         side_heat += b * side * slow_v
         warm_ks += b * (at[T, j] - ambient_k)
     end[DEPTH] = state[DEPTH] - main_as / cell.charge_as
+    if cell.hysteresis == 1:
+        end[HYSTERESIS], _ = hysteresis_at(cell, state[HYSTERESIS], end[DEPTH] - state[DEPTH])
     pair_heat = 0.0
     for k in range(cell.pairs + cell.acceptance):
         through = bypassed and k == cell.pairs
@@ -65,18 +72,18 @@ def finish(cell: Cell, run: Run, slot: int, bypassed: bool, ambient_k: float) ->
         side_heat += part_side
     if cell.recombination == 1:
         k = cell.relaxations - 1
-        w = run.node[slot, k, 2]
+        w = run.node[slot, k]
         before = state[RELAXATIONS + k]
         end[RELAXATIONS + k] = (
-            run.decay[slot, k, 2] * before + w[0] * at[SIDE, 0] + w[1] * at[SIDE, 1] + w[2] * at[SIDE, 2]
+            run.decay[slot, k, 2] * before + w[0, 2] * at[SIDE, 0] + w[1, 2] * at[SIDE, 1] + w[2, 2] * at[SIDE, 2]
         )
         side_heat -= cell.gas_v * cell.tau_s[k] * (end[RELAXATIONS + k] - before)
     to_ambient = warm_ks / cell.thermal_resistance_k_w
-    heat = n * (series + transfer + reversible + side_heat + pair_heat)
+    heat = n * (series + transfer + hysteresis + reversible + side_heat + pair_heat)
     end[TEMPERATURE] = state[TEMPERATURE] + (heat - to_ambient) / cell.heat_capacity_j_k
     gain[CHARGE], gain[SIDE_CHARGE], gain[TO_AMBIENT] = total_as, side_as, to_ambient
     gain[VOLTAGE_TIME], gain[ELECTRICAL] = n * voltage_vs, n * electrical
-    gain[SERIES_HEAT], gain[TRANSFER_HEAT] = n * series, n * transfer
+    gain[SERIES_HEAT], gain[TRANSFER_HEAT], gain[HYSTERESIS_HEAT] = n * series, n * transfer, n * hysteresis
     gain[REVERSIBLE_HEAT], gain[SIDE_HEAT] = n * reversible, n * side_heat
 
 
@@ -100,13 +107,13 @@ def _finish_pair(
     g0 = run.resistance[k, 0] * at[MAIN, 0]
     g1 = run.resistance[k, 1] * at[MAIN, 1]
     g2 = run.resistance[k, 2] * at[MAIN, 2]
-    w, decay, s, m = run.node[slot, k, 2], run.decay[slot, k, 2], run.start_moment[slot, k], run.moment[slot, k]
-    after = decay * before + w[0] * g0 + w[1] * g1 + w[2] * g2
+    w, decay, s, m = run.node[slot, k], run.decay[slot, k, 2], run.start_moment[slot, k], run.moment[slot, k]
+    after = decay * before + w[0, 2] * g0 + w[1, 2] * g1 + w[2, 2] * g2
     run.end[RELAXATIONS + k] = after
     # Integral of the voltage times the basis function of each node.
-    v0 = s[0] * before + m[0, 0] * g0 + m[0, 1] * g1 + m[0, 2] * g2
-    v1 = s[1] * before + m[1, 0] * g0 + m[1, 1] * g1 + m[1, 2] * g2
-    v2 = s[2] * before + m[2, 0] * g0 + m[2, 1] * g1 + m[2, 2] * g2
+    v0 = s[0] * before + m[0, 0] * g0 + m[1, 0] * g1 + m[2, 0] * g2
+    v1 = s[1] * before + m[0, 1] * g0 + m[1, 1] * g1 + m[2, 1] * g2
+    v2 = s[2] * before + m[0, 2] * g0 + m[1, 2] * g1 + m[2, 2] * g2
     squared = v0 * g0 + v1 * g1 + v2 * g2 - 0.5 * cell.tau_s[k] * (after * after - before * before)
     c0, c1, c2 = run.conductance[k, 0], run.conductance[k, 1], run.conductance[k, 2]
     mean = RADAU[2, 0] * c0 + RADAU[2, 1] * c1 + RADAU[2, 2] * c2

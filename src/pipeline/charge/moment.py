@@ -23,13 +23,15 @@ from pipeline.charge.state import (
     ETA,
     ETA_BY_DEPTH,
     ETA_SLOPE,
+    HYSTERESIS,
+    HYSTERESIS_V,
     MAIN,
     NODE_V,
     OHM,
     OHM_SLOPE,
     OPEN_SLOPE,
+    POWER_CONTROL,
     RELAXATIONS,
-    REVERSIBLE,
     SIDE,
     SIDE_SLOPE,
     SLOW_V,
@@ -47,13 +49,13 @@ from pipeline.jit import inlined, kernel
 
 @inlined
 def circuit_at(cell: Cell, run: Run, j: int) -> None:
-    """Evaluate at moment j everything that depends on SOC alone, and its slope with x."""
+    """Evaluate at moment j everything that depends on SOC alone, and its slope with x; hysteresis as at the start."""
     at, slope = run.at, run.depth_slope
     x = at[X, j]
     open_v, open_slope = value_and_slope(cell, OPEN_CIRCUIT, x)
     entropy, entropy_slope = value_and_slope(cell, ENTROPIC, x)
     warmer = at[T, j] - REFERENCE_K
-    at[SLOW_V, j] = open_v + entropy * warmer
+    at[SLOW_V, j] = open_v + entropy * warmer + run.state[HYSTERESIS]
     at[ENTROPY, j] = entropy
     slope[OPEN_SLOPE, j] = open_slope + entropy_slope * warmer
     at[OHM, j], slope[OHM_SLOPE, j] = value_and_slope(cell, SERIES, x)
@@ -62,26 +64,11 @@ def circuit_at(cell: Cell, run: Run, j: int) -> None:
         run.inverse[k, j] = 1.0 / run.resistance[k, j] if run.resistance[k, j] > 0.0 else 0.0
     if cell.acceptance == 1:
         k = cell.pairs
+        reciprocal = 1.0 / x
+        resistance = cell.acceptance_ohm * reciprocal
         run.inverse[k, j] = x / cell.acceptance_ohm
-        run.resistance[k, j] = cell.acceptance_ohm / x
-        run.slope[k, j] = -run.resistance[k, j] / x
-        run.bend[k] = -2.0 * run.slope[k, j] / x
-
-
-@inlined
-def circuit_near(cell: Cell, run: Run, j: int) -> None:
-    """Do as `circuit_at` for a moment so near the start that straight lines from there serve."""
-    at, slope = run.at, run.depth_slope
-    moved, warmed = at[X, j] - at[X, START], at[T, j] - at[T, START]
-    at[ENTROPY, j] = at[ENTROPY, START]
-    at[SLOW_V, j] = at[SLOW_V, START] + slope[OPEN_SLOPE, START] * moved + at[ENTROPY, START] * warmed
-    at[OHM, j] = at[OHM, START] + slope[OHM_SLOPE, START] * moved
-    slope[OPEN_SLOPE, j], slope[OHM_SLOPE, j] = slope[OPEN_SLOPE, START], slope[OHM_SLOPE, START]
-    for k in range(cell.pairs + cell.acceptance):
-        run.resistance[k, j] = run.resistance[k, START] + run.slope[k, START] * moved
-        run.slope[k, j] = run.slope[k, START] + run.bend[k] * moved
-        inverse = run.inverse[k, START]
-        run.inverse[k, j] = inverse - inverse * inverse * run.slope[k, START] * moved
+        run.resistance[k, j], run.slope[k, j] = resistance, -resistance * reciprocal
+        run.bend[k] = 2.0 * resistance * reciprocal * reciprocal
 
 
 @inlined
@@ -116,27 +103,35 @@ def finish_moment(cell: Cell, run: Run, j: int, relaxed_v: float, control: int, 
     return terminal_v * total - target, slope
 
 
-@kernel
-def solve_start(cell: Cell, run: Run, control: int, target: float, guess: float) -> bool:
-    """Solve the circuit for the state as it stands and fill the start column; False where that fails.
-
-    The residual rises with the current and bends upwards, so Newton's iteration cannot circle.
-    """
+@inlined
+def place_start(cell: Cell, run: Run) -> None:
+    """Fill the start column with what the state alone decides."""
     at, state = run.at, run.state
-    at[X, START], at[T, START] = state[DEPTH], state[TEMPERATURE]
+    at[X, START], at[T, START], at[HYSTERESIS_V, START] = state[DEPTH], state[TEMPERATURE], state[HYSTERESIS]
     circuit_at(cell, run, START)
     relaxed = 0.0
     for k in range(cell.pairs + cell.acceptance):
         relaxed += state[RELAXATIONS + k]
         run.value[k, START] = state[RELAXATIONS + k]
+    run.relaxed_v = relaxed
+
+
+@kernel
+def solve_start(cell: Cell, run: Run, control: int, target: float, guess: float) -> bool:
+    """Solve the circuit at the start, which must be placed, for its currents; False where that fails.
+
+    The residual rises with the current and bends upwards, so Newton's iteration cannot circle.
+    """
+    at, relaxed = run.at, run.relaxed_v
     at[MAIN, START] = guess
-    if control == CURRENT_CONTROL and cell.transfer == 0:
+    if cell.transfer == 0 and control != POWER_CONTROL and at[OHM, START] > 0.0:
         # The side current does not depend on the main one.
-        residual, _ = finish_moment(cell, run, START, relaxed, control, target)
-        at[MAIN, START] -= residual
-        at[TOTAL, START] = target
-        at[TERMINAL_V, START] = at[NODE_V, START] + at[OHM, START] * target
-        return math.isfinite(residual)
+        finish_moment(cell, run, START, relaxed, control, target)
+        node_v, ohm = at[NODE_V, START], at[OHM, START]
+        total = target if control == CURRENT_CONTROL else (target - node_v) / ohm
+        at[TOTAL, START], at[MAIN, START] = total, total - at[SIDE, START]
+        at[TERMINAL_V, START] = node_v + ohm * total
+        return math.isfinite(at[MAIN, START] + total)
     scale = abs(target) + 1e-9
     for _ in range(400):
         residual, slope = finish_moment(cell, run, START, relaxed, control, target)
@@ -150,30 +145,3 @@ def solve_start(cell: Cell, run: Run, control: int, target: float, guess: float)
             finish_moment(cell, run, START, relaxed, control, target)
             return True
     return False
-
-
-@inlined
-def node_heat(cell: Cell, run: Run, j: int) -> float:
-    """Return the heat of the whole battery at moment j [W], the relaxation of gas left out."""
-    at = run.at
-    main = at[MAIN, j]
-    if cell.thermoneutral == 1:
-        reversible = main * (at[SLOW_V, j] - cell.thermoneutral_v)
-    else:
-        reversible = main * at[T, j] * at[ENTROPY, j]
-    at[REVERSIBLE, j] = reversible
-    heat = reversible + at[OHM, j] * at[TOTAL, j] ** 2 + at[ETA, j] * main + at[SIDE, j] * (at[NODE_V, j] - cell.gas_v)
-    for k in range(cell.pairs + cell.acceptance):
-        run.conductance[k, j] = pair_conductance(cell, run, k, j)
-        heat += run.value[k, j] ** 2 * run.conductance[k, j]
-    if cell.recombination == 1:
-        heat += run.value[cell.relaxations - 1, j] * cell.gas_v
-    return float(cell.cells * heat)
-
-
-@inlined
-def pair_conductance(cell: Cell, run: Run, k: int, j: int) -> float:
-    """Return what turns v^2 into the heat of pair k: 1/R - (dC/dt)/2 with C = tau / R [S]."""
-    inverse = run.inverse[k, j]
-    drift = 0.5 * cell.tau_s[k] * run.slope[k, j] * inverse * run.at[MAIN, j] * cell.per_as
-    return float((1.0 - drift) * inverse)

@@ -13,6 +13,8 @@ from pipeline.cell.circuit import ZERO_CELSIUS_K
 from pipeline.charge.protocol import Protocol
 
 MOST_SEGMENTS = 3
+# Where a battery counts as full: the kernels keep 1 - SOC above zero.
+_FULL = 1e-12
 
 
 class Program(NamedTuple):
@@ -61,7 +63,7 @@ def compile_program(protocol: Protocol, cells: int) -> Program:
 
 def _limits(until: Mapping[str, float], cells: int) -> tuple[float, float, float, float]:
     return (
-        1.0 - until.get("soc", 2.0),
+        max(1.0 - until["soc"], _FULL) if "soc" in until else -1.0,
         until.get("voltage_v", math.inf) / cells,
         until.get("current_a", -math.inf),
         until.get("temperature_c", math.inf) + ZERO_CELSIUS_K,

@@ -89,12 +89,13 @@ def parameters(resolver: Resolver, waveform: Waveform, where: str) -> dict[str, 
     return {name: value for name, value in found.items() if value is not None}
 
 
-def resolve(mode: Mode, capacity_ah: float) -> Protocol:
+def resolve(mode: Mode, capacity_ah: float, fills: bool = False) -> Protocol:
     """Return a mode in numbers.
 
     Arguments
     ---------
     capacity_ah : capacity of the battery in use, for knobs given as C-rates.
+    fills : nothing in the battery keeps it below SOC 1, so that the charge must stop there.
 
     Raises
     ------
@@ -110,7 +111,7 @@ def resolve(mode: Mode, capacity_ah: float) -> Protocol:
             number = turn * len(once) + place
             courses += [Course(c.name, number, c.waveform, c.segments, c.limit_v, c.until, c.edge_soc) for c in group]
     stop = _closed(resolver.optional(mode.stop, "stop"), "stop")
-    return Protocol(tuple(courses), stop)
+    return Protocol(tuple(courses), {"soc": 1.0} | stop if fills else stop)
 
 
 def _courses(resolver: Resolver, name: str, phase: Phase) -> list[Course]:

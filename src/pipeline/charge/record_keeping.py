@@ -8,7 +8,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from pipeline.cell.circuit import ENTROPIC, OPEN_CIRCUIT, REFERENCE_K, SERIES, Cell
+from pipeline.cell.circuit import ENTROPIC, OPEN_CIRCUIT, REFERENCE_K, SERIES, Cell, hysteresis_at
 from pipeline.cell.curves import value_and_slope
 from pipeline.cell.relaxation import LAGRANGE, response
 from pipeline.charge.moment import charge_transfer
@@ -16,7 +16,9 @@ from pipeline.charge.state import (
     CHARGE,
     DEPTH,
     ELECTRICAL,
+    HYSTERESIS,
     MAIN,
+    PAIR_HEAT,
     POWER_CONTROL,
     RELAXATIONS,
     SIDE,
@@ -39,12 +41,10 @@ from pipeline.jit import inlined, kernel
     CHARGE_OUT,
     ENERGY_IN,
     ENERGY_OUT,
-    SIDE_AS,
-    VOLTAGE_VS,
     VOLTAGE_LIMITED_S,
     SUPPLY_LIMITED_S,
     SUMS,
-) = range(10)
+) = range(8)
 LOWEST_V, HIGHEST_V, LOWEST_A, HIGHEST_A = range(4)
 
 SAMPLE_COLUMNS = 17
@@ -73,7 +73,7 @@ class Book(NamedTuple):
 
 
 @inlined
-def add_step(run: Run, book: Book, length_s: float) -> None:
+def add_step(cell: Cell, run: Run, book: Book, length_s: float) -> None:
     """Add an accepted step to the sums since the last sample."""
     gain, at, sums, extremes = run.gain, run.at, book.sums, book.extremes
     if gain[CHARGE] >= 0.0:
@@ -83,13 +83,11 @@ def add_step(run: Run, book: Book, length_s: float) -> None:
         sums[CHARGE_OUT] -= gain[CHARGE]
         sums[ENERGY_OUT] -= gain[ELECTRICAL]
     sums[SPAN_S] += length_s
-    sums[SIDE_AS] += gain[SIDE_CHARGE]
-    sums[VOLTAGE_VS] += gain[VOLTAGE_TIME]
     if run.control == VOLTAGE_CONTROL:
         sums[VOLTAGE_LIMITED_S] += length_s
     elif run.control == POWER_CONTROL:
         sums[SUPPLY_LIMITED_S] += length_s
-    for n in range(len(gain)):
+    for n in range(PAIR_HEAT + cell.pairs + cell.acceptance):
         book.recent_gains[n] += gain[n]
     v, a, t = at[TERMINAL_V], at[TOTAL], at[T]
     extremes[LOWEST_V] = min(extremes[LOWEST_V], min(min(v[0], v[1]), min(v[2], v[3])))
@@ -115,12 +113,9 @@ def take_sample(cell: Cell, run: Run, book: Book, time_s: float, phase: int) -> 
         return
     for n in range(SUMS):
         totals[n] += sums[n]
-    for n in range(len(book.gains)):
-        book.gains[n] += book.recent_gains[n]
-        book.recent_gains[n] = 0.0
     row = book.samples[book.filled[0]]
     row[0] = time_s
-    row[1] = sums[VOLTAGE_VS] / span
+    row[1] = book.recent_gains[VOLTAGE_TIME] / span
     row[2] = (sums[CHARGE_IN] - sums[CHARGE_OUT]) / span
     row[3] = phase + 1
     for n in range(4):
@@ -131,10 +126,13 @@ def take_sample(cell: Cell, run: Run, book: Book, time_s: float, phase: int) -> 
     row[11] = cell.cells * book.extremes[HIGHEST_V]
     row[12] = book.extremes[LOWEST_A]
     row[13] = book.extremes[HIGHEST_A]
-    row[14] = sums[SIDE_AS] / span
+    row[14] = book.recent_gains[SIDE_CHARGE] / span
     row[15] = sums[SUPPLY_LIMITED_S] / span
     row[16] = sums[VOLTAGE_LIMITED_S] / span
     book.filled[0] += 1
+    for n in range(len(book.gains)):
+        book.gains[n] += book.recent_gains[n]
+        book.recent_gains[n] = 0.0
     sums[:] = 0.0
     reset_extremes(book)
 
@@ -208,6 +206,8 @@ def write_point(cell: Cell, run: Run, book: Book, window: int, time_s: float, le
         ohm, _ = value_and_slope(cell, SERIES, x)
         eta, _, _ = charge_transfer(cell, x, temperature, main)
         voltage = open_v + entropy * (temperature - REFERENCE_K) + ohm * current + eta
+        if cell.hysteresis == 1:
+            voltage += hysteresis_at(cell, run.state[HYSTERESIS], x - run.state[DEPTH])[0]
         for k in range(cell.pairs + cell.acceptance):
             w = run.row
             left = response(length_s / cell.tau_s[k], theta, run.phi, w)

@@ -95,6 +95,6 @@ class EngineSettings(Record):
     """How the engine computes."""
 
     driver: Literal["auto", "edge"] = Field("auto", description="auto takes the one that suits the mode")
-    tolerance: float = Field(1e-7, gt=1e-13, le=1e-3, description="error of a step relative to current and voltage [1]")
+    tolerance: float = Field(1e-6, gt=1e-13, le=1e-3, description="error of a step relative to current and voltage [1]")
     maximum_step_s: float = Field(60.0, gt=0, description="longest step [s]")
     maximum_steps: int = Field(200_000_000, ge=1, description="steps after which a charge is given up")

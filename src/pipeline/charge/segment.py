@@ -11,7 +11,8 @@ from numpy.typing import NDArray
 from pipeline.cell.circuit import Cell
 from pipeline.cell.relaxation import MOST_SLOTS, fill
 from pipeline.charge.error import step_error
-from pipeline.charge.moment import solve_start
+from pipeline.charge.lanes import put
+from pipeline.charge.moment import place_start, solve_start
 from pipeline.charge.state import (
     CURRENT_CONTROL,
     DEPTH,
@@ -40,6 +41,8 @@ NOTHING, FAILED = -1, -2
 _NEVER = 1e300
 _CHATTER = 1e-9
 _ROUNDING = 1e-13
+# Error below which the next step may be four times as long.
+_EASY = 0.2**4
 
 
 class Demand(NamedTuple):
@@ -81,6 +84,7 @@ def choose_control(cell: Cell, run: Run, demand: Demand) -> bool:
     run.control = CURRENT_CONTROL
     if cell.acceptance == 1:
         state[RELAXATIONS + cell.pairs] = max(0.0, state[RELAXATIONS + cell.pairs])
+    place_start(cell, run)
     if not solve_start(cell, run, CURRENT_CONTROL, demand.current_a, demand.current_a):
         return False
     if demand.charging:
@@ -108,6 +112,7 @@ def continue_moment(cell: Cell, run: Run, demand: Demand) -> bool:
     """Solve the start of the next step under the control of the last one; False where the circuit fails."""
     # The step's own end is the better guess: where next to nothing is accepted, the start's balance is all rounding.
     run.guess_a = run.at[MAIN, 2]
+    place_start(cell, run)
     return solve_start(cell, run, run.control, target_of(cell, demand, run.control), run.guess_a)
 
 
@@ -160,6 +165,18 @@ def guard_at(cell: Cell, run: Run, demand: Demand, limits: NDArray[np.float64], 
 
 
 @inlined
+def clear_at_start(run: Run, limits: NDArray[np.float64]) -> bool:
+    """Tell whether nothing that ends a phase holds at the start: one look in place of twelve."""
+    x, v, t = run.at[X, START], run.at[TERMINAL_V, START], run.at[T, START]
+    return bool(
+        run.control == CURRENT_CONTROL
+        and v < min(limits[1], limits[5]) * (1.0 - _ROUNDING)
+        and x > max(limits[0], max(limits[4], limits[8]))
+        and t < min(limits[3], limits[7])
+    )
+
+
+@inlined
 def clear(cell: Cell, run: Run, demand: Demand, limits: NDArray[np.float64]) -> bool:
     """Tell whether a step under current control keeps clear of every guard: one look in place of three times twelve."""
     if run.control != CURRENT_CONTROL or run.bypassed == 1:
@@ -207,11 +224,10 @@ def try_step(cell: Cell, run: Run, demand: Demand, ambient_k: float, length_s: f
 @inlined
 def set_guess(cell: Cell, run: Run, length_s: float) -> None:
     """Guess that nothing changes over the step, nor that more is charged than there is room for."""
-    at = run.at
-    room = 0.5 * run.state[DEPTH] * cell.charge_as / length_s
-    for j in range(3):
-        at[MAIN, j] = min(run.guess_a, room)
-        at[T, j] = at[T, START]
+    main, t = run.at[MAIN], run.at[T]
+    guess = min(run.guess_a, 0.5 * run.state[DEPTH] * cell.charge_as / length_s)
+    put(main, guess, guess, guess, main[START])
+    put(t, t[START], t[START], t[START], t[START])
 
 
 @inlined
@@ -219,11 +235,11 @@ def recall(run: Run, length_s: float) -> None:
     """Guess what the same step of the last period came to, if it was of this length and under this control."""
     if run.place >= MOST_REMEMBERED:
         return
-    last, at = run.memory[run.segment, run.place], run.at
-    if last[0] == length_s and last[1] == run.control:
-        for j in range(3):
-            at[MAIN, j] = last[2 + j]
-            at[T, j] = at[T, START] + last[5 + j]
+    last, main, t = run.memory[run.segment, run.place], run.at[MAIN], run.at[T]
+    if last[8] == length_s and last[9] == run.control:
+        start = t[START]
+        put(main, last[0], last[1], last[2], main[START])
+        put(t, start + last[4], start + last[5], start + last[6], start + last[7])
 
 
 @inlined
@@ -231,11 +247,11 @@ def remember(run: Run, length_s: float) -> None:
     """Keep what a step came to, for the same step of the next period."""
     if run.place >= MOST_REMEMBERED:
         return
-    last, at = run.memory[run.segment, run.place], run.at
-    last[0], last[1] = length_s, run.control
-    for j in range(3):
-        last[2 + j] = at[MAIN, j]
-        last[5 + j] = at[T, j] - at[T, START]
+    last, main, t = run.memory[run.segment, run.place], run.at[MAIN], run.at[T]
+    start = t[START]
+    put(last, main[0], main[1], main[2], main[3])
+    put(last[4:], t[0] - start, t[1] - start, t[2] - start, t[3] - start)
+    last[8], last[9] = length_s, run.control
     run.place += 1
 
 
@@ -316,7 +332,7 @@ def advance(
             gap, what = guard(cell, run, demand, limits)
         if gap >= 0.0:
             remember(run, length_s)
-            return length_s, NOTHING, min(4.0, 0.8 / _fourth_root(error + 1e-12))
+            return length_s, NOTHING, 4.0 if error < _EASY else 0.8 / _fourth_root(error)
         found, what = locate(cell, run, demand, limits, ambient_k, length_s)
         if what == FAILED:
             length_s *= 0.25

@@ -19,7 +19,7 @@ from pipeline.charge.protocol import UNTIL, Protocol, resolve
 from pipeline.charge.record_keeping import PHASE_COLUMNS, SAMPLE_COLUMNS, SUMS, WAVEFORM_COLUMNS, Book
 from pipeline.charge.records import ChargeSettings, EngineSettings, Mode
 from pipeline.charge.segment import LIMITS
-from pipeline.charge.state import DEPTH, PAIR_HEAT, TEMPERATURE, Run, new_run
+from pipeline.charge.state import DEPTH, HYSTERESIS, PAIR_HEAT, TEMPERATURE, Run, new_run
 from pipeline.charge.summary import Quantity, summarise
 
 Columns = dict[str, Any]
@@ -92,11 +92,12 @@ def run(battery: Battery, mode: Mode, supply: Supply, settings: ChargeSettings, 
     """Run the engine and return its arrays; arguments and errors are those of `simulate`."""
     check(battery, mode, settings)
     cell = compile_cell(battery)
-    protocol = resolve(mode, battery.capacity_in_use_ah)
+    protocol = resolve(mode, battery.capacity_in_use_ah, battery.fills)
     program = compile_program(protocol, battery.cells_in_series)
     state = new_run()
     start = state["state"].copy()
     start[DEPTH], start[TEMPERATURE] = 1.0 - settings.initial_soc, settings.ambient_c + ZERO_CELSIUS_K
+    start[HYSTERESIS] = cell.hysteresis_start_v
     state["state"][:] = start
     book = _book(program, settings, cell)
     book.peak_k[0] = start[TEMPERATURE]

@@ -11,8 +11,8 @@ from pipeline.cell.relaxation import WEIGHT_FIELDS
 
 CURRENT_CONTROL, VOLTAGE_CONTROL, POWER_CONTROL = range(3)
 
-# State of the battery: 1 - SOC, temperature [K], then the relaxations.
-DEPTH, TEMPERATURE, RELAXATIONS = range(3)
+# State of the battery: 1 - SOC, temperature [K], hysteresis [V], then the relaxations.
+DEPTH, TEMPERATURE, HYSTERESIS, RELAXATIONS = range(4)
 
 # What a step adds, per battery; dissipation of the pairs follows.
 (
@@ -24,9 +24,10 @@ DEPTH, TEMPERATURE, RELAXATIONS = range(3)
     TRANSFER_HEAT,
     REVERSIBLE_HEAT,
     SIDE_HEAT,
+    HYSTERESIS_HEAT,
     TO_AMBIENT,
     PAIR_HEAT,
-) = range(10)
+) = range(11)
 
 # Rows of the quantities at a moment: columns are the three nodes and, fourth, the start of the step.
 (
@@ -45,17 +46,17 @@ DEPTH, TEMPERATURE, RELAXATIONS = range(3)
     TERMINAL_V,
     SIDE_SLOPE,
     ETA_SLOPE,
+    HYSTERESIS_V,
     QUANTITIES,
-) = range(16)
+) = range(17)
 START = 3
 
 MOST_REMEMBERED = 16
+_ALIGNMENT = 64
 
 RUN = np.dtype(
     [
-        ("state", np.float64, (RELAXATIONS + MOST_RELAXATIONS,)),
-        ("end", np.float64, (RELAXATIONS + MOST_RELAXATIONS,)),
-        ("gain", np.float64, (PAIR_HEAT + MOST_RELAXATIONS,)),
+        # Rows of four first, each on an alignment of its own.
         ("at", np.float64, (QUANTITIES, 4)),
         ("forcing", np.float64, (MOST_RELAXATIONS, 4)),
         ("value", np.float64, (MOST_RELAXATIONS, 4)),
@@ -65,21 +66,27 @@ RUN = np.dtype(
         ("bend", np.float64, (MOST_RELAXATIONS,)),
         ("conductance", np.float64, (MOST_RELAXATIONS, 4)),
         ("depth_slope", np.float64, (3, 4)),
-        ("jacobian", np.float64, (3, 3)),
-        ("residual", np.float64, (3,)),
+        ("residual", np.float64, (4,)),
+        ("jacobian", np.float64, (3, 4)),
+        # Of each segment's steps in the last period: currents, rises in temperature at the moments, length, control.
+        ("memory", np.float64, (3, MOST_REMEMBERED, 12)),
+        *WEIGHT_FIELDS,
+        ("state", np.float64, (RELAXATIONS + MOST_RELAXATIONS,)),
+        ("end", np.float64, (RELAXATIONS + MOST_RELAXATIONS,)),
+        ("gain", np.float64, (PAIR_HEAT + MOST_RELAXATIONS,)),
         ("proposal_s", np.float64, (3, 3)),
         ("guess_a", np.float64),
-        # Of each segment's steps in the last period: length, control, node currents, node temperature rises.
-        ("memory", np.float64, (3, MOST_REMEMBERED, 8)),
+        ("relaxed_v", np.float64),
         ("segment", np.int64),
         ("place", np.int64),
         ("control", np.int64),
         ("bypassed", np.int64),
+        # Whether the last step was so short that straight lines from its start served for every curve.
+        ("near", np.bool_),
         ("next_slot", np.int64),
         ("steps", np.int64),
         ("edges", np.int64),
         ("changes", np.int64),
-        *WEIGHT_FIELDS,
     ],
     align=True,
 )
@@ -90,7 +97,9 @@ Run = Any
 
 def new_run() -> Run:
     """Return the record of a run that has not begun."""
-    run = np.zeros(1, dtype=RUN).view(np.recarray)[0]
+    room = np.zeros(RUN.itemsize + _ALIGNMENT, dtype=np.uint8)
+    begin = -room.ctypes.data % _ALIGNMENT
+    run = room[begin : begin + RUN.itemsize].view(RUN).view(np.recarray)[0]
     run["length_s"][:] = -1.0
     return run
 

@@ -13,25 +13,20 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pipeline.cell.circuit import Cell
-from pipeline.cell.relaxation import RADAU
 from pipeline.charge.correction import correct
 from pipeline.charge.gains import finish
-from pipeline.charge.moment import circuit_at, circuit_near, finish_moment, node_heat
+from pipeline.charge.lanes import put
+from pipeline.charge.moment import circuit_at
+from pipeline.charge.nodes import circuit_near, close, follow_hysteresis, move, relax, warm
 from pipeline.charge.state import (
     CURRENT_CONTROL,
     DEPTH,
-    HEAT,
     MAIN,
-    RELAXATIONS,
-    SIDE,
     SIDE_SLOPE,
-    TEMPERATURE,
     TERMINAL_V,
     TOTAL,
     VOLTAGE_CONTROL,
     Run,
-    T,
-    X,
 )
 from pipeline.jit import inlined, kernel
 
@@ -63,84 +58,37 @@ def integrate(
     target : current [A] and power [W] of the battery, or voltage [V] of one cell.
     bypassed : the acceptance pair is discharged and the current is not charging it.
     """
-    at, state = run.at, run.state
-    h = run.length_s[slot]
-    per_charge = h / cell.charge_as
-    voltages = cell.pairs + cell.acceptance
+    at, main, missed = run.at, run.at[MAIN], run.residual
+    per_charge = run.length_s[slot] / cell.charge_as
     for _ in range(_ITERATIONS):
-        near = per_charge * _largest(at[MAIN]) < _NEAR * state[DEPTH]
-        for j in range(3):
-            drawn = RADAU[j, 0] * at[MAIN, 0] + RADAU[j, 1] * at[MAIN, 1] + RADAU[j, 2] * at[MAIN, 2]
-            at[X, j] = state[DEPTH] - per_charge * drawn
-            if not at[X, j] > 0.0:
-                return False
-            if near:
-                circuit_near(cell, run, j)
-            else:
-                circuit_at(cell, run, j)
-            for k in range(voltages):
-                run.forcing[k, j] = run.resistance[k, j] * at[MAIN, j]
-        if bypassed:
+        run.near = per_charge * _largest(main) < _NEAR * run.state[DEPTH]
+        if not move(run, per_charge):
+            return False
+        if run.near:
+            circuit_near(cell, run, per_charge)
+        else:
             for j in range(3):
-                run.forcing[cell.pairs, j] = 0.0
-        worst = 0.0
-        for j in range(3):
-            relaxed = 0.0
-            for k in range(voltages):
-                w = run.node[slot, k, j]
-                run.value[k, j] = (
-                    run.decay[slot, k, j] * state[RELAXATIONS + k]
-                    + w[0] * run.forcing[k, 0]
-                    + w[1] * run.forcing[k, 1]
-                    + w[2] * run.forcing[k, 2]
-                )
-                relaxed += run.value[k, j]
-            run.residual[j], _ = finish_moment(cell, run, j, relaxed, control, target)
+                circuit_at(cell, run, j)
+        if cell.hysteresis == 1:
+            follow_hysteresis(cell, run)
+        relax(cell, run, slot, bypassed)
+        close(cell, run, control, target, run.near)
         weak = control == CURRENT_CONTROL and cell.transfer == 0 and _coupling(cell, run, slot) < _WEAK
         if not weak:
             correct(cell, run, slot, control, bypassed)
         # A main current far below the total is a difference of two that are not: known to their rounding only.
-        largest = _largest(at[MAIN]) + _ROUNDING * _largest(at[TOTAL]) + 1e-300
-        for j in range(3):
-            change = run.residual[j]
-            if not math.isfinite(change):
-                return False
-            at[MAIN, j] -= change
-            worst = max(worst, abs(change) / largest)
-        warmed = _heat_nodes(cell, run, slot, ambient_k)
-        if worst < _NEWTON and warmed < _WARMING_K:
+        largest = _largest(main) + _ROUNDING * _largest(at[TOTAL]) + 1e-300
+        worst = _largest(missed)
+        if not math.isfinite(missed[0] + missed[1] + missed[2]):
+            return False
+        put(main, main[0] - missed[0], main[1] - missed[1], main[2] - missed[2], main[3] - missed[3])
+        warmed = warm(cell, run, slot, ambient_k)
+        if worst < _NEWTON * largest and warmed < _WARMING_K:
             finish(cell, run, slot, bypassed, ambient_k)
             if control == VOLTAGE_CONTROL:
-                for j in range(3):
-                    at[TERMINAL_V, j] = target
+                put(at[TERMINAL_V], target, target, target, at[TERMINAL_V, 3])
             return True
     return False
-
-
-@inlined
-def _heat_nodes(cell: Cell, run: Run, slot: int, ambient_k: float) -> float:
-    """Move the node temperatures to what the heat at the nodes makes of them; return the largest change [K]."""
-    at, state = run.at, run.state
-    h = run.length_s[slot]
-    if cell.recombination == 1:
-        k = cell.relaxations - 1
-        for j in range(3):
-            w = run.node[slot, k, j]
-            run.value[k, j] = (
-                run.decay[slot, k, j] * state[RELAXATIONS + k]
-                + w[0] * at[SIDE, 0]
-                + w[1] * at[SIDE, 1]
-                + w[2] * at[SIDE, 2]
-            )
-    for j in range(3):
-        at[HEAT, j] = node_heat(cell, run, j) - (at[T, j] - ambient_k) / cell.thermal_resistance_k_w
-    largest = 0.0
-    for j in range(3):
-        warming = RADAU[j, 0] * at[HEAT, 0] + RADAU[j, 1] * at[HEAT, 1] + RADAU[j, 2] * at[HEAT, 2]
-        temperature = state[TEMPERATURE] + h / cell.heat_capacity_j_k * warming
-        largest = max(largest, abs(temperature - at[T, j]))
-        at[T, j] = temperature
-    return largest
 
 
 @inlined
@@ -148,12 +96,12 @@ def _coupling(cell: Cell, run: Run, slot: int) -> float:
     """Return about how much of a change of the main currents comes back through the side reaction."""
     resistance = 0.0
     for k in range(cell.pairs + cell.acceptance):
-        w = run.node[slot, k, 2]
-        resistance += (w[0] + w[1] + w[2]) * run.resistance[k, 2]
+        # What the nodes do not hand to the end is left of the start.
+        resistance += (1.0 - run.decay[slot, k, 2]) * run.resistance[k, 2]
     return float(resistance * _largest(run.at[SIDE_SLOPE]))
 
 
 @inlined
 def _largest(values: NDArray[np.float64]) -> float:
     """Return the largest magnitude over the nodes."""
-    return float(max(abs(values[0]), abs(values[1]), abs(values[2])))
+    return float(max(abs(values[0]), max(abs(values[1]), abs(values[2]))))

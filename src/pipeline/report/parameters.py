@@ -23,6 +23,7 @@ UNITS = {
     "_k": "K",
     "_k_w": "K/W",
     "_ohm": "ohm",
+    "_per_ah": "1/Ah",
     "_per_k": "1/K",
     "_percent_per_k": "%/K",
     "_s": "s",

@@ -95,12 +95,12 @@ def rastrigin(x: Array) -> Array:
 @jit
 def griewank(x: Array) -> Array:
     """Return Griewank's function: a shallow bowl with many regular dips."""
-    values = np.zeros(len(x))
+    values, roots = np.zeros(len(x)), np.sqrt(np.arange(1.0, x.shape[1] + 1.0))
     for i in range(x.shape[0]):
         product = 1.0
         for j in range(x.shape[1]):
             values[i] += x[i, j] * x[i, j] / 4000.0
-            product *= math.cos(x[i, j] / math.sqrt(j + 1.0))
+            product *= math.cos(x[i, j] / roots[j])
         values[i] += 1.0 - product
     return values
 

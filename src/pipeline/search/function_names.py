@@ -32,6 +32,17 @@ OF_A_PLACEMENT = {
     "friedman_p": "chance of ranks of the variants as far apart as these if they did not differ, {placement}",
     "friedman_at_budget_p": "the same for all searches at the shortest search's budget, {placement}",
 }
+OF_THE_GAIN = {
+    "kp_median": "median size of the random gain Kp of a flight of plain search",
+    "kp_negative_share": "share of the flights whose gain is negative: they lead away from the best nest",
+}
+OF_A_LOOP = {
+    "loop_error": "error that stays in the control loop of {search} after a step, at mean inertia and median gain; "
+    "none where the loop does not come to rest",
+    "loop_stable": "1 where s^2 + (1 - w + Kp) s + Ki = 0 has stable roots, both coefficients positive: {search}",
+    "loop_rings": "1 where they are a complex pair besides: {search}",
+    "loop_factor": "by which the loop of {search}, run in steps with its leak, shrinks in a generation; above 1: grows",
+}
 COUNTS = {
     "functions": "test functions",
     "dimensions": "dimensions of each",
@@ -54,4 +65,6 @@ def names(study: FunctionStudy) -> set[str]:
         found |= {f"{search}_{placement}_{measure}" for search in searches for measure in OF_A_SEARCH}
         found |= {f"{search}_{placement}_{measure}" for search in variants for measure in OF_A_VARIANT}
         found |= {f"{study.plain}_{placement}_mean_rank"} | {f"{placement}_{measure}" for measure in OF_A_PLACEMENT}
+    if study.plain in study.loops():
+        found |= {f"{search}_{part}" for search in study.loops() for part in OF_A_LOOP} | set(OF_THE_GAIN)
     return found | set(COUNTS)

@@ -90,6 +90,10 @@ class FunctionStudy(Record):
         groups = [self.variants, *([self.baselines] if self.baselines else [])]
         return {name: group.settings(name, self.dimensions, half_width) for group in groups for name in group.searches}
 
+    def loops(self) -> list[str]:
+        """Return the searches that are cuckoo searches, which the paper reads as control loops."""
+        return [name for name, settings in self.searches(1.0).items() if settings.kind == "cuckoo"]
+
     def kinds(self) -> set[str]:
         """Return the algorithms that are used."""
         return {settings.kind for settings in self.searches(1.0).values()}

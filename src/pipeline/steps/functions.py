@@ -13,6 +13,7 @@ from pipeline.search.function_quantities import quantities
 from pipeline.search.function_records import FunctionStudy
 from pipeline.search.function_statistics import Ranks, contests, ranks, statistics
 from pipeline.search.function_study import Runs
+from pipeline.search.loop_quantities import quantities as loops
 
 
 def run(settings: Mapping[str, Any], inputs: Mapping[str, Path], output: Path) -> None:
@@ -29,7 +30,7 @@ def run(settings: Mapping[str, Any], inputs: Mapping[str, Path], output: Path) -
     tables.write(schemas_functions.FUNCTION_STATISTICS, _columns(rows), output / "statistics.parquet")
     tables.write(schemas_functions.FUNCTION_TESTS, _columns(tested), output / "tests.parquet")
     tables.write(schemas_functions.FUNCTION_RANKS, _ranks(ranked), output / "ranks.parquet")
-    numbers = quantity.columns(quantities(study, rows, tested, ranked))
+    numbers = quantity.columns(quantities(study, rows, tested, ranked) + loops(study, int(settings["seed"])))
     tables.write(schemas.QUANTITIES, numbers, output / "quantities.parquet")
 
 
