@@ -113,11 +113,10 @@ def problems() -> Iterator[tuple[str, Problem]]:
 
 def staged_charge() -> Problem:
     """Return the currents of eight stages, time and rise of equal weight."""
+    from pipeline.cell.records import Battery
     from pipeline.objective.staging import Limits, objective_of
     from pipeline.objective.staging_grid import make_grid
     from pipeline.objective.staging_records import Currents, Weights
-
-    from pipeline.cell.records import Battery
 
     sheet = yaml.safe_load((CONF / "battery/lfp_8ah.yaml").read_text())
     sheet.pop("sources", None)
