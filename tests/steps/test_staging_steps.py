@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-from functools import cache
 from pathlib import Path
 
 import numpy as np
@@ -11,41 +10,15 @@ import pytest
 
 from pipeline import schemas, tables
 from pipeline import schemas_staging as declared
-from pipeline.config.compose import compose_tree
 from pipeline.config.staged import found_names, quantities
-from pipeline.config.study import Study, study_from
-from pipeline.phases import drafts
-from pipeline.steps import front, staging, staging_search
-
-LEFT_OUT = ("inertia", "differential_evolution", "genetic", "particle_swarm")
-SMALL = (
-    "study=lfp_cuckoo",
-    "staging.replicates=3",
-    "staging.evaluations=500",
-    "staging.starts=2",
-    "staging.chords=50",
-    "staging.front.population=12",
-    "staging.front.generations=5",
-    "staging.front.weights=4",
-    *(f"~staging.{part}searches.{name}" for name in LEFT_OUT for part in ("", "sources.")),
-    *(f"staging.searches.{name}.{key}" for name in ("plain", "integral") for key in ("nests=10", "generations=24")),
-    *("staging.searches.swarm.particles=10", "staging.searches.swarm.iterations=49"),
-)
-
-
-@cache
-def small() -> Study:
-    return study_from(compose_tree(SMALL))
+from pipeline.steps import staging_search
+from tests.steps.staging_world import SEARCHED, make, nodes, small
 
 
 @pytest.fixture(scope="module")
 def made(tmp_path_factory: pytest.TempPathFactory) -> Path:
     folder = tmp_path_factory.mktemp("staging")
-    for node in drafts(small()):
-        step = {"staging_search": staging_search, "staging": staging, "front": front}.get(node.step)
-        if step is not None:
-            (folder / node.name).mkdir(parents=True, exist_ok=True)
-            step.run(node.settings, {name: folder / name for name in node.inputs}, folder / node.name)
+    make(folder, SEARCHED)
     return folder
 
 
@@ -80,7 +53,7 @@ def test_runs_are_cut_at_the_compared_number_of_charges(made):
 
 
 def test_the_same_settings_give_the_same_search(made, tmp_path):
-    node = next(node for node in drafts(small()) if node.name == "staging_search/weights_5_5/integral")
+    node = next(node for node in nodes() if node.name == "staging_search/weights_5_5/integral")
     staging_search.run(node.settings, {}, tmp_path)
     for name in ("runs", "run_currents", "course"):
         first = made / node.name / f"{name}.parquet"
