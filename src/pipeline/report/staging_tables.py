@@ -96,11 +96,11 @@ def cases(data: ReportData) -> ReportTable:
         if current is not None:
             rows.append((f"constant {current:.4g} A, same {title}", numbers.get(time), *rises, None))
     printed = float(found["time_s"][found["case"].tolist().index("printed")])
-    rows = [(*row, None if row[1] is None else 100.0 * (float(row[1]) / printed - 1.0)) for row in rows]
+    rows = [(*row, None if row[1] is None else round(100.0 * (float(row[1]) / printed - 1.0), 6)) for row in rows]
     return ReportTable(
         "stage_cases",
         "Beside the printed currents",
-        "Best: by the local solver from random starts, all of which end there.",
+        "Best: by the local solver from random starts.",
         (
             "charge",
             "time / s",
@@ -167,8 +167,7 @@ def printed_rises(data: ReportData) -> ReportTable:
     return ReportTable(
         "calibration_rises",
         "Temperature rise after each stage with the printed currents [K]",
-        "Each calibration meets the rises that the text describes: 3.5 K after the third stage, 4 K at most, a little "
-        "less at the end.",
+        "The text describes 3.5 K after the third stage, 4 K at most, and a little less at the end.",
         ("stage", "printed / A", *(_words(name) for name in names)),
         tuple(rows),
     )
