@@ -18,13 +18,13 @@ Complex = NDArray[np.complex128]
 
 
 def poles(w: float, kp: float, ki: float) -> Complex:
-    """Return both roots of s^2 + (1 - w + Kp) s + Ki = 0, per generation."""
-    return np.roots([1.0, 1.0 - w + kp, ki]).astype(complex)
+    """Return both roots of s^2 + (1 - w + Kp) s + Ki = 0, per generation; without the integral the one of the loop."""
+    return np.roots([1.0, 1.0 - w + kp, ki] if ki > 0.0 else [1.0, 1.0 - w + kp]).astype(complex)
 
 
 def is_stable(w: float, kp: float, ki: float) -> bool:
-    """Tell whether the loop comes to rest: both coefficients positive (Routh)."""
-    return 1.0 - w + kp > 0.0 and ki > 0.0
+    """Tell whether the loop comes to rest: all coefficients positive (Routh)."""
+    return 1.0 - w + kp > 0.0 and ki >= 0.0
 
 
 def is_ringing(w: float, kp: float, ki: float) -> bool:
@@ -37,17 +37,19 @@ def steady_state_error(w: float, kp: float, ki: float) -> float:
 
     Without the integral it is (1 - w) / (1 - w + Kp): plain search, w = 1, has none, since its X is a sum already.
     """
-    if ki > 0.0:
-        return 0.0 if is_stable(w, kp, ki) else np.nan
-    return (1.0 - w) / (1.0 - w + kp) if 1.0 - w + kp > 0.0 else np.nan
+    if not is_stable(w, kp, ki):
+        return np.nan
+    return 0.0 if ki > 0.0 else (1.0 - w) / (1.0 - w + kp)
 
 
 def step_poles(w: float, kp: float, ki: float, leak: float) -> Complex:
     """Return the factors by which the loop shrinks from one generation to the next, as the search takes it.
 
     The leaky sum is S(t) = leak S(t-1) + e(t), used in the move of the same generation. The loop comes to rest where
-    both factors lie within the unit circle, which the continuous equation does not ask for.
+    all factors lie within the unit circle, which the continuous equation does not ask for.
     """
+    if ki == 0.0:
+        return np.array([w - kp], dtype=complex)
     # With the reference at 0: S' = leak S - X and X' = (w - Kp) X + Ki S'.
     loop = np.array([[w - kp - ki, ki * leak], [-1.0, leak]])
     return np.linalg.eigvals(loop).astype(complex)
