@@ -25,6 +25,7 @@ rule all:
 include: "workflow/rules/targets.smk"
 include: "workflow/rules/supply.smk"
 include: "workflow/rules/search.smk"
+include: "workflow/rules/network.smk"
 include: "workflow/rules/staging.smk"
 include: "workflow/rules/functions.smk"
 include: "workflow/rules/charge.smk"

@@ -23,6 +23,9 @@ from pipeline.planfile import STEPS, VERSION
 # Files a step reads beside its inputs, relative to the project; their content is part of the key.
 STEP_FILES: dict[str, tuple[str, ...]] = {
     "tuning": ("conf/published/reference/*.csv",),
+    "surface": ("conf/published/reference/nicd_*.csv",),
+    "network": ("conf/published/reference/nicd_*.csv",),
+    "network_size": ("conf/published/reference/nicd_*.csv",),
     "verdicts": ("conf/published/reference/*.csv",),
     "figures": ("src/pipeline/report/*.mplstyle",),
     "page": ("src/pipeline/report/templates/*", "conf/published/reference/*.csv"),
@@ -35,12 +38,17 @@ CHUNK_SIZE = {
     "objective": (1, 32),
     "tuning": (1, 4),
     "search": (1, 8),
-    "staging_search": (3, 9),
+    "surface": (1, 8),
+    "network": (1, 4),
+    "network_size": (1, 4),
+    "network_kernels": (1, 4),
+    "staging_search": (3, 3),
     "staging": (1, 8),
     "front": (1, 8),
     "function_runs": (2, 2),
     "functions": (1, 8),
-    "charge": (1, 12),
+    "charge": (4, 12),  # loading the kernels takes as long as a charge or two
+    "trade_off": (1, 4),
     "verdicts": (1, 32),
     "figures": (7, 14),
     "page": (1, 8),
@@ -50,9 +58,10 @@ TARGETS = {
     "panel": ("panel", "supply"),
     "tuning": ("tuning",),
     "search": ("chaos", "objective", "search"),
+    "network": ("surface", "network", "network_size", "network_kernels"),
     "staging": ("staging_search", "staging", "front"),
-    "charges": ("charge",),
     "functions": ("function_runs", "functions"),
+    "charges": ("charge", "trade_off"),
     "figures": ("figures",),
 }
 

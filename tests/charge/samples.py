@@ -36,6 +36,7 @@ def battery(name):
 SUITED = {
     "lead_acid_12v7ah": (0.3, 14.4, 0.8),
     "lead_acid_12v18ah": (0.3, 14.4, 0.8),
+    "lead_acid_generic": (0.3, 13.0, 0.8),
     "nicd_2s_600mah": (4.0, 3.55, 0.8),
     "lfp_8ah": (2.0, 3.42, 0.8),
 }

@@ -14,6 +14,11 @@ rule search:
         flow.target("search"),
 
 
+rule network:
+    input:
+        flow.target("network"),
+
+
 rule staging:
     input:
         flow.target("staging"),

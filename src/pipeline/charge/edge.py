@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pipeline.cell.circuit import Cell
+from pipeline.charge.controller import Control, begin, next_current
 from pipeline.charge.program import Program
 from pipeline.charge.record_keeping import Book, add_step, note_marks, reset_extremes, take_sample, write_windows
 from pipeline.charge.segment import (
@@ -17,15 +18,17 @@ from pipeline.charge.segment import (
     LIMITS,
     NOTHING,
     TO_CURRENT,
+    WATCHED,
     Demand,
     advance,
     choose_control,
     clear_at_start,
     commit,
     continue_moment,
-    guard_at,
+    guard_at_start,
 )
-from pipeline.charge.state import DEPTH, START, TEMPERATURE, Run
+from pipeline.charge.state import DEPTH, TEMPERATURE, Run
+from pipeline.charge.watching import NO_PEAK, look_at_start, peak_until, renew_peak
 from pipeline.jit import kernel
 
 DONE, CIRCUIT_FAILED, STEPS_EXHAUSTED = range(3)
@@ -37,6 +40,7 @@ _FIRST_STEP_S = 1e-3
 def run_edge(
     cell: Cell,
     program: Program,
+    control: Control,
     supply_time_s: NDArray[np.float64],
     supply_power_w: NDArray[np.float64],
     run: Run,
@@ -51,6 +55,7 @@ def run_edge(
 
     Arguments
     ---------
+    control : what decides the currents of sampled courses.
     supply_time_s, supply_power_w : power at the terminals, constant from each time on, (m,).
     run, book : state to start from, arrays to write into.
     """
@@ -66,6 +71,8 @@ def run_edge(
         course_start_s, start_depth = time_s, run.state[DEPTH]
         phase_end_s = group_start_s + program.elapsed_s[course]
         limits = program.limits[course]
+        watched = limits[WATCHED] > 0.0
+        run.peak_v, run.peak_a = NO_PEAK, 0.0
         segments = program.segments[course]
         period_s = 0.0
         for n in range(segments):
@@ -73,7 +80,12 @@ def run_edge(
         proposals[:] = math.inf
         run.memory[:] = 0.0
         reason, periods = NOTHING, 0
+        sampled = program.sampled[course]
+        if sampled:
+            begin(control)
         while reason == NOTHING:
+            if sampled:
+                program.current_a[course, 0] = next_current(control, run.state[TEMPERATURE])
             offset_s = 0.0
             for segment in range(segments):
                 length_s = program.length_s[course, segment]
@@ -106,8 +118,11 @@ def run_edge(
                     if fresh:
                         if not choose_control(cell, run, demand):
                             return CIRCUIT_FAILED, time_s
+                        if watched:
+                            renew_peak(run, demand.current_a)
+                            look_at_start(cell, run, ambient_k)
                         if not clear_at_start(run, limits):
-                            gap, what = guard_at(cell, run, demand, limits, START)
+                            gap, what = guard_at_start(cell, run, demand, limits)
                             if gap <= 0.0 and 0 <= what <= EDGE:
                                 reason = what
                                 break
@@ -117,6 +132,8 @@ def run_edge(
                         fresh, first = False, True
                     elif not continue_moment(cell, run, demand):
                         return CIRCUIT_FAILED, time_s
+                    if watched:
+                        look_at_start(cell, run, ambient_k)
                     due_s = min(next_sample * sample_interval_s, program.stop_elapsed_s, phase_end_s)
                     if supply + 1 < len(supply_time_s):
                         due_s = min(due_s, supply_time_s[supply + 1])
@@ -134,6 +151,8 @@ def run_edge(
                     if len(book.windows) > 0:
                         write_windows(cell, run, book, time_s, taken_s, length_s)
                     add_step(cell, run, book, taken_s)
+                    if watched:
+                        run.peak_v = peak_until(run, 2)
                     commit(run)
                     if first and length_s < math.inf:
                         better = 2.0 * taken_s if factor > 2.9 else taken_s

@@ -11,6 +11,8 @@ from numpy.typing import NDArray
 
 from pipeline.cell.circuit import ZERO_CELSIUS_K
 from pipeline.charge.protocol import Protocol
+from pipeline.charge.segment import FIRST_WATCHED, PLACES, STAGE_EDGE, WATCHED
+from pipeline.charge.waveforms import Sampled
 
 MOST_SEGMENTS = 3
 # Where a battery counts as full: the kernels keep 1 - SOC above zero.
@@ -18,7 +20,10 @@ _FULL = 1e-12
 
 
 class Program(NamedTuple):
-    """Arrays of a protocol; voltages are of one cell, SOC stands as 1 - SOC, what is not asked for is out of reach."""
+    """Arrays of a protocol; voltages are of one cell, SOC stands as 1 - SOC, what is not asked for is out of reach.
+
+    The current of a course that is `sampled` is written anew as each of its periods begins.
+    """
 
     segments: NDArray[np.int64]
     length_s: NDArray[np.float64]
@@ -28,6 +33,7 @@ class Program(NamedTuple):
     limits: NDArray[np.float64]
     elapsed_s: NDArray[np.float64]
     group: NDArray[np.int64]
+    sampled: NDArray[np.bool_]
     stop_elapsed_s: float
 
 
@@ -40,9 +46,10 @@ def compile_program(protocol: Protocol, cells: int) -> Program:
         np.zeros((count, MOST_SEGMENTS)),
         np.zeros((count, MOST_SEGMENTS), dtype=np.bool_),
         np.full(count, np.inf),
-        np.zeros((count, 9)),
+        np.zeros((count, PLACES)),
         np.full(count, np.inf),
         np.zeros(count, dtype=np.int64),
+        np.array([isinstance(course.waveform, Sampled) for course in protocol.courses]),
         protocol.stop.get("elapsed_s", math.inf),
     )
     for row, course in enumerate(protocol.courses):
@@ -55,7 +62,10 @@ def compile_program(protocol: Protocol, cells: int) -> Program:
             program.limit_v[row] = course.limit_v / cells
         program.limits[row, :4] = _limits(course.until, cells)
         program.limits[row, 4:8] = _limits(protocol.stop, cells)
-        program.limits[row, 8] = -1.0 if course.edge_soc is None else 1.0 - course.edge_soc
+        program.limits[row, STAGE_EDGE] = -1.0 if course.edge_soc is None else 1.0 - course.edge_soc
+        watched = [*_watched(course.until, cells), *_watched(protocol.stop, cells)]
+        program.limits[row, FIRST_WATCHED:] = watched
+        program.limits[row, WATCHED] = math.isfinite(min(watched))
         program.elapsed_s[row] = course.until.get("elapsed_s", math.inf)
         program.group[row] = course.group
     return program
@@ -68,3 +78,7 @@ def _limits(until: Mapping[str, float], cells: int) -> tuple[float, float, float
         until.get("current_a", -math.inf),
         until.get("temperature_c", math.inf) + ZERO_CELSIUS_K,
     )
+
+
+def _watched(until: Mapping[str, float], cells: int) -> tuple[float, float]:
+    return until.get("voltage_drop_v", math.inf) / cells, until.get("temperature_rate_k_s", math.inf)

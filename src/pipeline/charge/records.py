@@ -45,7 +45,9 @@ class Phase(Record):
     @model_serializer(mode="wrap")
     def _as_written(self, handler: SerializerFunctionWrapHandler) -> dict[str, Any]:
         names = {kind: name for name, kind in WAVEFORMS.items()}
-        written: dict[str, Any] = {names[type(self.waveform)]: self.waveform.model_dump(exclude_none=True)}
+        written: dict[str, Any] = {
+            names[type(self.waveform)]: self.waveform.model_dump(mode="json", by_alias=True, exclude_none=True)
+        }
         limit, until = self.limit.model_dump(exclude_none=True), self.until.model_dump(exclude_none=True)
         return written | ({"limit": limit} if limit else {}) | ({"until": until} if until else {})
 

@@ -13,6 +13,7 @@ from pipeline.cell.circuit import MOST_RELAXATIONS, ZERO_CELSIUS_K, Cell, compil
 from pipeline.cell.records import Battery
 from pipeline.charge import edge
 from pipeline.charge.checks import check
+from pipeline.charge.controller import compile_control
 from pipeline.charge.energy import balance
 from pipeline.charge.program import Program, compile_program
 from pipeline.charge.protocol import UNTIL, Protocol, resolve
@@ -104,6 +105,7 @@ def run(battery: Battery, mode: Mode, supply: Supply, settings: ChargeSettings, 
     status, end_s = edge.run_edge(
         cell,
         program,
+        compile_control(protocol, battery.capacity_in_use_ah),
         np.ascontiguousarray(supply.time_s, dtype=np.float64),
         np.ascontiguousarray(supply.power_w, dtype=np.float64),
         state,
@@ -166,6 +168,8 @@ def _reason(outcome: Outcome, row: int) -> str:
         "voltage_v": ("voltage", " V"),
         "current_a": ("current", " A"),
         "temperature_c": ("temperature", " degC"),
+        "voltage_drop_v": ("voltage below its peak by", " V"),
+        "temperature_rate_k_s": ("temperature rate", " K/s"),
     }[name]
     return f"{'stop: ' if code >= LIMITS else ''}{word} {limits[name]:g}{unit}"
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
-from typing import Any
+from typing import Any, Literal
 
 from pydantic import Field, ValidationError, field_validator
 
@@ -13,6 +13,7 @@ from pipeline.cell.records import Battery
 from pipeline.charge import checks as charge_checks
 from pipeline.charge.ensemble import EnsembleSettings
 from pipeline.charge.records import ChargeSettings, EngineSettings, Mode
+from pipeline.charge.trade_off_records import TradeOff
 from pipeline.config import searching, staged
 from pipeline.config.compose import CONF, Composed, options
 from pipeline.config.messages import explain
@@ -20,11 +21,13 @@ from pipeline.config.sources import Source, attribute, leaves, split
 from pipeline.converter import checks as supply_checks
 from pipeline.converter.records import Load, PowerChain
 from pipeline.errors import UserError, best_matches
+from pipeline.grnn.records import NetworkStudy
 from pipeline.objective.records import ReflexFrequency
 from pipeline.objective.staging_records import Staging
 from pipeline.panel.records import Panel, PanelCurveSettings, Weather
 from pipeline.published import checks as published_checks
 from pipeline.published.names import found_quantities
+from pipeline.published.network_names import network_quantities
 from pipeline.published.records import Statement
 from pipeline.record import Record
 from pipeline.report.records import FigureCard
@@ -43,6 +46,7 @@ RESERVED = frozenset(
         "figures",
         "functions",
         "logs",
+        "network",
         "panel",
         "plan",
         "receipts",
@@ -85,12 +89,18 @@ class StudyCard(Record):
         return on_request
 
 
+StopName = Literal["soc", "voltage_v", "current_a", "temperature_c", "voltage_drop_v", "temperature_rate_k_s"]
+
+
 class Comparison(Record):
     """How modes are made comparable."""
 
     title: str
     mean_current_of: str | None = Field(
         default=None, description="mode whose constant current every pulsed mode's mean is set to; none: as configured"
+    )
+    stops: tuple[StopName, ...] | None = Field(
+        default=None, description="the stops of the modes that count, beside the time; none: all of them"
     )
 
 
@@ -105,13 +115,16 @@ class Study(Record):
     converter: PowerChain | None = None
     load: Load | None = None
     battery: Battery
+    second_battery: Battery | None = Field(default=None, description="charged in the same way, to be held against it")
     modes: dict[str, Mode]
     run: tuple[str, ...] = Field(min_length=1, description="names of the modes that are charged")
     comparisons: dict[str, Comparison] = Field(min_length=1)
     charge: ChargeSettings
     engine: EngineSettings = EngineSettings()
     ensemble: EnsembleSettings = EnsembleSettings(samples=0)
+    trade_off: TradeOff | None = Field(default=None, description="charge time against peak temperature")
     chaos: ChaosSettings | None = None
+    network: NetworkStudy | None = Field(default=None, description="the network that commands a charger")
     objective: ReflexFrequency | None = Field(default=None, description="what a search minimises")
     design: Design | None = Field(default=None, description="parameter design that tunes the search")
     search: AnySettings | None = Field(default=None, description="the search whose result others may ask for")
@@ -142,10 +155,10 @@ def sections(modes_in_use: tuple[str, ...], calibrations: tuple[str, ...] = ()) 
     modes = tuple(f"modes.{name}" for name in modes_in_use)
     charge = ("charge.initial_soc", "charge.ambient_c")
     return (
-        *("panel", "weather", "converter", "load", "battery"),
+        *("panel", "weather", "converter", "load", "battery", "second_battery"),
         *modes,
         *charge,
-        *("objective", "design", "search", "oracle", "functions"),
+        *("objective", "design", "search", "oracle", "network", "trade_off", "functions"),
         *("staging", *(f"calibrations.{name}" for name in calibrations)),
     )
 
@@ -158,7 +171,7 @@ def study_from(composed: Composed) -> Study:
     UserError : the first kind of mistake found, each instance with file, key path, value and what is allowed.
     """
     values, written = split(composed.tree)
-    values = _choose_modes(composed, values)
+    values = _choose_modes(composed, _without_twin(values))
     try:
         study = Study(
             **values,
@@ -167,7 +180,7 @@ def study_from(composed: Composed) -> Study:
         )
     except ValidationError as error:
         raise explain(error, values, "", composed.origin, Study) from None
-    taken = {path: source for path, source in written.items() if not _unused_mode(path, values)}
+    taken = {path: source for path, source in written.items() if not _unused(path, values)}
     sources = attribute(composed, values, taken, study.parameter_sections())
     study = study.model_copy(update={"sources": sources})
     _check_together(composed, study)
@@ -216,9 +229,17 @@ def _choose_modes(composed: Composed, values: dict[str, Any]) -> dict[str, Any]:
     return values | {"modes": {name: known[name] for name in dict.fromkeys(wanted)}, "run": list(run)}
 
 
-def _unused_mode(path: str, values: Mapping[str, Any]) -> bool:
+def _without_twin(values: dict[str, Any]) -> dict[str, Any]:
+    """Leave out a second battery that is the first one: there is nothing to hold against it."""
+    twin = values.get("second_battery") == values.get("battery")
+    return {key: value for key, value in values.items() if key != "second_battery"} if twin else values
+
+
+def _unused(path: str, values: Mapping[str, Any]) -> bool:
+    """Tell whether a source belongs to a mode or a second battery that this run leaves out."""
     keys = path.split(".")
-    return keys[0] == "modes" and len(keys) > 1 and keys[1] not in values["modes"]
+    left_out = keys[0] == "modes" and len(keys) > 1 and keys[1] not in values["modes"]
+    return left_out or (keys[0] == "second_battery" and keys[0] not in values)
 
 
 def _check_together(composed: Composed, study: Study) -> None:
@@ -227,6 +248,8 @@ def _check_together(composed: Composed, study: Study) -> None:
         for name in study.modes:
             with _below(composed, f"modes.{name}"):
                 charge_checks.check(study.battery, study.modes[name], study.charge)
+                if study.second_battery is not None:
+                    _check_second(study.second_battery, study.modes[name], study.charge)
         if study.panel is not None:
             if study.weather is None or study.converter is None or study.load is None:
                 raise UserError("panel: a study with a panel needs weather, converter and load")
@@ -246,6 +269,13 @@ def _check_together(composed: Composed, study: Study) -> None:
         published_checks.check(study.published, _makeable(study), marks, calibrated, numbers)
 
 
+def _check_second(battery: Battery, mode: Mode, charge: ChargeSettings) -> None:
+    try:
+        charge_checks.check(battery, mode, charge)
+    except UserError as error:
+        raise UserError(f"{error}; meant is the second battery, {battery.name}") from None
+
+
 def reference_tables() -> list[Path]:
     """Return the CSV files of the papers' own tables, which statements read as `reference/<name>`."""
     return sorted((CONF / "published" / "reference").glob("*.csv"))
@@ -255,7 +285,9 @@ def _makeable(study: Study) -> set[str]:
     """Return every input the study could make, also with modes that this run leaves out."""
     supplied = {"panel", "supply"} if study.panel is not None else set()
     charges = {f"charge/{comparison}/{mode}" for comparison in study.comparisons for mode in options("modes")}
-    supplied |= {name for name in ("chaos", "objective", "functions") if getattr(study, name) is not None}
+    parts = ("chaos", "objective", "trade_off", "functions")
+    supplied |= {name for name in parts if getattr(study, name) is not None}
+    supplied |= set(network_quantities()) if study.network is not None else set()
     supplied |= {"staging", "front"} if study.staging is not None else set()
     supplied |= set(searching.found_values(study)) | ({"tuning"} if study.design is not None else set())
     return supplied | charges | {f"reference/{path.stem}" for path in reference_tables()}
@@ -271,7 +303,9 @@ def _numbers(study: Study) -> dict[str, set[str]]:
     # Statements on the swarm are not checkable under another algorithm, which is no mistake in them.
     if study.search is not None and study.search.kind != "swarm":
         del numbers["search"]
-    return numbers | staged.quantities(study)
+    if study.trade_off is not None:
+        numbers["trade_off"] = study.trade_off.quantities()
+    return numbers | staged.quantities(study) | ({} if study.network is None else network_quantities())
 
 
 @contextmanager

@@ -46,7 +46,9 @@ def _charges(
     done: dict[str, list[tuple[str, float | None]]] = {}
     for comparison, reference in settings["comparisons"].items():
         for name in settings["run"]:
-            mode = compared(modes[name], None if reference is None else modes[reference], battery)
+            mode = compared(
+                modes[name], None if reference is None else modes[reference], battery, settings["stops"].get(comparison)
+            )
             sheet = canonical([name, mode.model_dump(mode="json")])
             if sheet not in done:
                 done[sheet] = _numbers(battery, mode, source, charge, engine)

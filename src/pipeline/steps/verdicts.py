@@ -11,12 +11,13 @@ from pipeline.digest import PROJECT
 from pipeline.published.artefacts import Lookup
 from pipeline.published.evaluate import evaluate
 from pipeline.published.records import Statement
+from pipeline.published.second_cell import answered_by_charges, in_place_of_the_first
 
 REFERENCE = PROJECT / "conf" / "published" / "reference"
 
 
 def run(settings: Mapping[str, Any], inputs: Mapping[str, Path], output: Path) -> None:
-    """Judge every statement."""
+    """Judge every statement, and those that charges answer on the second battery's charges too."""
     statements = {
         data["name"]: Statement.model_validate({key: value for key, value in data.items() if key != "name"})
         for data in settings["statements"]
@@ -24,3 +25,7 @@ def run(settings: Mapping[str, Any], inputs: Mapping[str, Path], output: Path) -
     tables_of_papers = {f"reference/{path.stem}": path for path in REFERENCE.glob("*.csv")}
     verdicts = evaluate(statements, Lookup({**inputs, **tables_of_papers}), set(settings["calibrated"]))
     tables.write(schemas.VERDICTS, verdicts, output / "verdicts.parquet")
+    if "second_calibrated" in settings:
+        second = Lookup(in_place_of_the_first(inputs))
+        verdicts = evaluate(answered_by_charges(statements), second, set(settings["second_calibrated"]))
+        tables.write(schemas.VERDICTS, verdicts, output / "second.parquet")
