@@ -11,6 +11,7 @@ from pipeline.grnn.anfis import Learning, nodes
 from pipeline.grnn.comparison import Comparison, Result, Size, Variety, after, units
 from pipeline.grnn.data import Data
 from pipeline.grnn.error import candidates
+from pipeline.grnn.kernels import EDGE
 from pipeline.grnn.records import FormSettings, Method, SelectionSettings
 from pipeline.grnn.selection.least_squares import least_squares
 from pipeline.grnn.selection.methods import Task
@@ -21,6 +22,8 @@ from pipeline.search.effect import effect
 Array = NDArray[np.float64]
 
 _MSE = "C-rate2"
+# Errors below this are rounding: the network meets every point.
+_ROUNDING = 1e-12
 
 
 def of_surfaces(learnt: Data, surfaces: Mapping[str, Data], found: list[Agreement], name: str) -> list[Quantity]:
@@ -116,7 +119,7 @@ def of_networks(
 def uncovered(data: Data, result: Result) -> float:
     """Return the share of the data that lies outside every Wendland support of the best network's centres."""
     distance = candidates(data, result.form).distance[result.selected.best()]
-    return float(np.mean(np.min(distance, axis=0) >= 1.0))
+    return float(np.mean(np.min(distance, axis=0) >= EDGE))
 
 
 def of_sizes(found: list[Size], printed_mse: float) -> list[Quantity]:
@@ -130,14 +133,21 @@ def of_sizes(found: list[Size], printed_mse: float) -> list[Quantity]:
             Quantity(f"{name}_mse_median", float(np.median(one.error)), _MSE, "median over the replicates"),
             Quantity(f"{name}_forward_mse", one.forward_error, _MSE, "the same by forward selection"),
         ]
+    medians = np.array([np.median(one.error) for one in found])
     reached = [one.centres for one in found if np.median(one.error) <= printed_mse]
-    best = min(found, key=lambda one: float(np.median(one.error)))
     smallest = float(min(reached)) if reached else np.nan
+    best = found[int(np.argmin(np.where(medians > _ROUNDING, medians, 0.0)))]
+    forward = np.array([one.forward_error for one in found]) <= np.maximum(medians, _ROUNDING)
+    # From the last size at which it is not, one further on.
+    from_here = len(found) - int(np.argmin(np.append(forward[::-1], False)))
+    sooner = float(found[from_here].centres) if from_here < len(found) else np.nan
     return [
         *quantities,
         Quantity("smallest_size_at_printed", smallest, "1", "fewest centres whose median error is the printed or less"),
-        Quantity("best_size", float(best.centres), "1", "number of centres of the least median error"),
-    ]
+        Quantity("best_size", float(best.centres), "1", "fewest centres of the least median error, rounding left out"),
+        Quantity("forward_as_good_from", sooner, "1", "fewest centres from which on forward selection is as good as "
+                 "the genetic algorithm's median"),
+    ]  # fmt: skip
 
 
 def of_varieties(found: Iterable[Variety]) -> list[Quantity]:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import get_args
 
-from pipeline.grnn.records import Kernel, NetworkStudy, Surfaces
+from pipeline.grnn.records import Kernel, Method, Surfaces
 
 _SURFACE = "points temperatures gradients gradient_seconds legible_rows consistent_surfaces learnt_consistent"
 _OF_A_SURFACE = ("variance", "rows_consistent", "largest_deviation", "consistent")
@@ -21,24 +21,23 @@ _OF_A_METHOD = (
 _OF_A_SIZE = ("units", "mse", "mse_median", "forward_mse")
 
 
-def network_quantities(study: NetworkStudy) -> dict[str, set[str]]:
-    """Return step -> names of the numbers it finds."""
-    methods, surfaces = study.selection.methods, tuple(Surfaces.model_fields)
-    found = {
+# More centres than this are no small network.
+_MOST_CENTRES = 100
+
+
+def network_quantities() -> dict[str, set[str]]:
+    """Return step -> names of the numbers it could find, also by methods and for sizes that this run leaves out."""
+    methods: tuple[str, ...] = get_args(Method)
+    kernels: tuple[str, ...] = get_args(Kernel)
+    surfaces, sizes = tuple(Surfaces.model_fields), range(1, _MOST_CENTRES + 1)
+    return {
         "surface": set(_SURFACE.split()) | {f"{name}_{part}" for name in surfaces for part in _OF_A_SURFACE},
         "network": set(_NETWORK.split())
         | {f"{method}_{part}" for method in methods for part in _OF_A_METHOD}
         | {f"genetic_over_{method}{end}" for method in methods for end in ("", "_low", "_high")},
-    }
-    if study.size is not None:
-        sizes = range(study.size.smallest, study.size.largest + 1)
-        found["network_size"] = {f"size_{size}_{part}" for size in sizes for part in _OF_A_SIZE} | {
-            "smallest_size_at_printed",
-            "best_size",
-        }
-    if study.kernels is not None:
-        kernels: tuple[str, ...] = get_args(Kernel)
-        found["network_kernels"] = {
+        "network_size": {"smallest_size_at_printed", "best_size", "forward_as_good_from"}
+        | {f"size_{size}_{part}" for size in sizes for part in _OF_A_SIZE},
+        "network_kernels": {
             f"{surface}_{kernel}_{part}" for surface in surfaces for kernel in kernels for part in ("mse", "mse_median")
-        }
-    return found
+        },
+    }

@@ -12,6 +12,8 @@ from pipeline.report.tables import Cell, ReportTable, plain
 
 USED = "genetic"
 _ERROR = "MSE / C²"
+# Errors below this are rounding.
+_ROUNDING = 1e-12
 _NUMBERS = {
     "surface": ("The data in numbers", "C stands for the C-rate: the current that charges the battery in an hour."),
     "network": ("The network in numbers", "Errors are mean squares over all points of the data [C-rate²]."),
@@ -193,7 +195,10 @@ def sizes(data: ReportData) -> ReportTable:
     found = data.numbers("network_size")
     counts = np.unique(data.table("network_size", "sizes")["centres"])
     parts = ("units", "mse", "mse_median", "forward_mse")
-    rows = [(int(count), *(found.get(f"size_{count}_{part}") for part in parts)) for count in counts]
+    rows: list[tuple[Cell, ...]] = []
+    for count in counts.tolist():
+        units, *errors = (found[f"size_{count}_{part}"] for part in parts)
+        rows.append((count, units, *(error if error > _ROUNDING else 0.0 for error in errors)))
     return ReportTable(
         "network_sizes",
         "How many centres are enough?",
