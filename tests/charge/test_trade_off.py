@@ -31,9 +31,7 @@ CHOSEN = {
 }
 STOP = {"elapsed_s": 900.0}
 MODES = {
-    "net": Mode(
-        title="net", sample_interval_s=2.0, phases={"charge": {"controller": {"network": NETWORK}}}, stop=STOP
-    ),
+    "net": Mode(title="net", sample_interval_s=2.0, phases={"charge": {"controller": {"network": NETWORK}}}, stop=STOP),
     "rule": Mode(
         title="rule",
         sample_interval_s=2.0,
@@ -141,7 +139,7 @@ def test_rivals_are_the_best_that_are_no_worse(chosen):
     ("change", "message"),
     [
         ({"c_rates": [4.0, 2.0]}, r"c_rates are \[4\.0, 2\.0\]; they must rise from above 0"),
-        ({"stops": {"both": {"soc": 0.9, "elapsed_s": 9.0}}}, r"stops\.both has \['elapsed_s', 'soc'\]; allowed is one"),
+        ({"stops": {"both": {"soc": 0.9, "elapsed_s": 9.0}}}, r"stops\.both has \['elapsed_s', 'soc'\]; allowed"),
         ({"stops": {"none": {}}}, r"stops\.none has nothing; allowed is one number"),
         ({"stops": {"timer": {"soc": 0.9}}}, "stops has 'timer', which timer_share sets"),
         ({"full_soc": 1.0}, "full_soc"),

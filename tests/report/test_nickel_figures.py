@@ -121,7 +121,8 @@ def test_the_answer_holds_the_numbers_it_was_made_from(whole):
     ("coolest", "words"), [({"a": 40.0, "b": 41.0}, "No"), ({"a": 40.0}, "Not always"), ({}, "Yes")]
 )
 def test_the_answer_follows_the_numbers(coolest, words):
-    found = {f"network_{part}_{name}_{unit}": 45.0 for name in "ab" for part, unit in (("peak", "c"), ("time_to_full", "s"))}
+    numbers = (("peak", "c"), ("time_to_full", "s"))
+    found = {f"network_{part}_{name}_{unit}": 45.0 for name in "ab" for part, unit in numbers}
     found |= {f"coolest_peak_{name}_c": peak for name, peak in coolest.items()}
     assert answer(found, {"a": "one", "b": "other"}).startswith(f"{words}, in this model: in {len(coolest)} of 2")
     assert answer({}, {"a": "one"}) == "The network did not charge the battery in this run."
