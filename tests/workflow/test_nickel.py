@@ -15,6 +15,7 @@ from pipeline.grnn.charger_network import ChargerNetwork
 from pipeline.grnn.network import command
 from tests.steps.network_artefacts import SMALL
 from tests.workflow.conftest import Project, copy_parts
+from tests.workflow.test_declared_files import opens_only_what_it_declared
 
 pytestmark = [pytest.mark.workflow, pytest.mark.xdist_group("workflow")]
 
@@ -69,6 +70,11 @@ def test_statements_are_judged_and_what_the_small_network_lacks_is_said(made: tu
     assert of["smaller_is_enough"] == "not checkable"
     assert of["overcharge_shows_4c"] == "calibrated"
     assert sum(word != "not checkable" for word in of.values()) >= 15
+
+
+@pytest.mark.parametrize("step", ["surface", "network", "network_size", "network_kernels", "charge", "trade_off"])
+def test_a_step_opens_only_what_it_declared(step: str, made: tuple[Project, Path, Path], tmp_path: Path) -> None:
+    opens_only_what_it_declared(made[0], step, tmp_path)
 
 
 def test_an_ordinary_number_for_a_mode_runs_no_network(made: tuple[Project, Path, Path]) -> None:
