@@ -24,6 +24,7 @@ lint: setup-dev ## style, types, workflow
 
 bench: setup-dev ## time the charge engine, and the searches against other libraries
 	$(BIN)/python benchmarks/edge.py
+	$(BIN)/python benchmarks/averaged.py
 	$(BIN)/python -m benchmarks.genetic
 	$(BIN)/python benchmarks/searches.py
 
