@@ -32,7 +32,7 @@ _FEWEST = 16
 _SETTLING = 4
 _ITERATIONS = 12
 # Mismatch of the forcings, in units of their scales and of the tolerance, at which an iteration ends.
-_CLOSED = 1e-2
+_CLOSED = 1e-1
 # An iteration that leaves more than this of its mismatch gets new slopes.
 _SLOW = 0.2
 _MUCH_SHORTER = 0.3
