@@ -209,7 +209,7 @@ def _chunks(runs: Sequence[Run], nodes: Mapping[str, Any]) -> dict[str, dict[str
 
 
 def _together(runs: Sequence[Run]) -> list[tuple[list[str], bool]]:
-    """Return the keys of each study's runs, then those that a run on request has beside them; and whether it is a sweep.
+    """Return the keys of each study's runs, then those that a run on request has beside them, each with `is a sweep`.
 
     No job makes nodes of two groups: what is not asked for is not made.
     """
