@@ -11,6 +11,7 @@ from pipeline.grnn.anfis import Learning, nodes
 from pipeline.grnn.comparison import Comparison, Result, Size, Variety, after, units
 from pipeline.grnn.data import Data
 from pipeline.grnn.error import candidates
+from pipeline.grnn.kernels import EDGE
 from pipeline.grnn.records import FormSettings, Method, SelectionSettings
 from pipeline.grnn.selection.least_squares import least_squares
 from pipeline.grnn.selection.methods import Task
@@ -118,7 +119,7 @@ def of_networks(
 def uncovered(data: Data, result: Result) -> float:
     """Return the share of the data that lies outside every Wendland support of the best network's centres."""
     distance = candidates(data, result.form).distance[result.selected.best()]
-    return float(np.mean(np.min(distance, axis=0) >= 1.0))
+    return float(np.mean(np.min(distance, axis=0) >= EDGE))
 
 
 def of_sizes(found: list[Size], printed_mse: float) -> list[Quantity]:
