@@ -11,6 +11,7 @@ from pipeline.charge.records import Mode
 from pipeline.config.searching import VARIABLE
 from pipeline.config.study import Study
 from pipeline.draft import Draft, needed, plain, with_found
+from pipeline.function_phases import functions
 from pipeline.network_phases import STEPS as NETWORK_STEPS
 from pipeline.network_phases import network
 from pipeline.planfile import command
@@ -18,14 +19,16 @@ from pipeline.published.records import needs
 from pipeline.published.second_cell import SECOND, answered_by_charges, of_second
 from pipeline.record import Record
 from pipeline.search_phases import FINDERS, SECTION_OF, finders
+from pipeline.staging_phases import staging, used_settings
 from pipeline.trade_off_phases import trade_offs
 
 
 def drafts(study: Study) -> list[Draft]:
     """Return the nodes of a study, inputs before those that read them."""
-    parts = (_supply, finders, network, _charges, _ensemble, trade_offs)
+    parts = (_supply, finders, network, staging, _charges, _ensemble, trade_offs)
     nodes = [with_found(node) for part in parts for node in part(study)]
     nodes = needed(nodes, FINDERS)
+    nodes += functions(study)
     nodes += _verdicts(study, nodes)
     nodes += _figures(study, nodes)
     nodes += _page(study, nodes)
@@ -218,7 +221,7 @@ def _fitted(study: Study, by_name: Mapping[str, Draft], names: set[str], stateme
 def _figures(study: Study, nodes: list[Draft]) -> Iterator[Draft]:
     made = {_kind(node) for node in nodes}
     for identifier, card in study.figures.items():
-        if {*FINDERS, SECOND} & set(card.reads) - made:
+        if {*FINDERS, SECOND, "functions"} & set(card.reads) - made:
             continue
         inputs = {node.name: node.name for node in nodes if _wanted(node, card.reads, card.comparison)}
         yield with_found(
@@ -279,6 +282,10 @@ def _configured(study: Study, reads: Iterable[str]) -> dict[str, Any]:
         found["algorithm"] = plain(study.search.model_copy(update={"variants": {}}))
     if "trade_off" in reads and study.trade_off is not None:
         found["trade_off"] = plain(study.trade_off)
+    if "battery" in reads:
+        found["battery"] = plain(study.battery)
+    if "stage_search" in reads:
+        found["stage_search"] = used_settings(study)
     return found
 
 
@@ -288,8 +295,10 @@ def _named(records: Mapping[str, Record]) -> list[dict[str, Any]]:
 
 
 _SHOWN = frozenset(
-    {"panel", "supply", "chaos", "objective", "tuning", "search", "charge", "trade_off", "verdicts", "figures"}
-    | set(NETWORK_STEPS)
+    {
+        *("panel", "supply", "chaos", "objective", "tuning", "search", *NETWORK_STEPS, "functions", "charge"),
+        *("trade_off", "staging_search", "staging", "front", "verdicts", "figures"),
+    }
 )
 
 

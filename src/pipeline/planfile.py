@@ -15,8 +15,9 @@ VERSION = 1
 # The order of the steps; a chunk needs only chunks of earlier steps.
 STEPS = (
     "panel", "supply", "chaos", "objective", "tuning", "search",
-    "surface", "network", "network_size", "network_kernels", "engine", "charge", "ensemble", "trade_off",
-    "verdicts", "figures", "page",
+    "surface", "network", "network_size", "network_kernels",
+    "staging_search", "function_runs", "staging", "front", "functions",
+    "engine", "charge", "ensemble", "trade_off", "verdicts", "figures", "page",
 )  # fmt: skip
 
 

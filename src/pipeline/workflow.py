@@ -37,6 +37,12 @@ class Workflow:
         """Return the names of the plan's studies."""
         return sorted({run["study"] for run in self.plan["runs"]})
 
+    def requests(self) -> list[str]:
+        """Return the targets of the runs that `all` leaves out."""
+        cards = [run["configuration"]["study"] for run in self.plan["runs"]]
+        named = {target for card in cards for target in card.get("on_request", ())}
+        return sorted(named & set(self.plan["targets"]))
+
     def needs(self, chunk: str) -> list[str]:
         """Return the receipts that must be there before a chunk runs."""
         return [self._receipt(name) for name in self.plan["chunks"][chunk]["needs"]]

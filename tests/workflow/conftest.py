@@ -69,7 +69,7 @@ def rules(printed: str) -> Counter[str]:
 
 
 def copy_project(folder: Path) -> Project:
-    """Copy what a run needs; two modes, three figures, and every charge stopped after a few minutes."""
+    """Copy what a run needs; one study, two modes, three figures, and every charge stopped after a few minutes."""
     folder.mkdir(parents=True)
     for part in PARTS:
         source = ROOT / part
@@ -79,6 +79,9 @@ def copy_project(folder: Path) -> Project:
             shutil.copy2(source, folder / part)
     for mode in (folder / "conf" / "modes").glob("*.yaml"):
         mode.write_text(re.sub(r"elapsed_s: [\d.]+", "elapsed_s: 100", mode.read_text()))
+    for other in (folder / "conf" / "study").glob("*.yaml"):
+        if other.stem != "solar_reflex":
+            other.unlink()
     study = folder / "conf" / "study" / "solar_reflex.yaml"
     study.write_text(re.sub(r"samples: \d+", "samples: 1", study.read_text()).replace("cv_pulse, ", ""))
     figures = folder / "conf" / "report" / "solar_reflex.yaml"

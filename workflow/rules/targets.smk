@@ -19,6 +19,16 @@ rule network:
         flow.target("network"),
 
 
+rule staging:
+    input:
+        flow.target("staging"),
+
+
+rule functions:
+    input:
+        flow.target("functions"),
+
+
 rule charges:
     input:
         flow.target("charges"),
@@ -34,7 +44,7 @@ rule report:
         flow.target("report"),
 
 
-for study in flow.studies():
+for study in [*flow.studies(), *flow.requests()]:
 
     rule:
         name:

@@ -12,6 +12,7 @@ from pipeline.record import Record
 CONSTANT, TIMER, OWN = "constant_current", "timer", "own"
 """What stands in rows for the law of a constant current, the stop by a timer, and the sensor of a mode's own sheet."""
 
+_USUAL = tuple(step / 2.0 for step in range(1, 41))
 NUMBERS = (
     "network_time_to_full_{of}_s network_peak_{of}_c network_charge_in_{of} rule_time_to_full_{of}_s rule_peak_{of}_c "
     "rule_charge_in_{of} rival_time_to_full_{of}_s rival_peak_{of}_c rival_c_rate_{of} coolest_time_to_full_{of}_s "
@@ -71,7 +72,9 @@ class TradeOff(Record):
         return self
 
     def quantities(self) -> set[str]:
-        """Return the names of the numbers that the trade-off finds."""
+        """Return the names of the numbers that the trade-off could find, also of currents that it leaves out."""
         found = {name.format(of=of) for name in NUMBERS.split() for of in self.conditions}
-        found |= {ENDED.format(rate=rate, stop=stop) for rate in self.c_rates for stop in (*self.stops, TIMER)}
+        found |= {
+            ENDED.format(rate=rate, stop=stop) for rate in {*self.c_rates, *_USUAL} for stop in (*self.stops, TIMER)
+        }
         return found | {name.format(of=of) for name in BEHIND.split() for of in self.sensors}

@@ -176,7 +176,8 @@ def _refused(error: Exception, words: Iterable[str]) -> UserError:
         parsed = parser.parse_override(word)
         if parsed.is_add() or parsed.is_delete() or f"'{parsed.key_or_group}'" not in str(error):
             continue
-        tree = _compose(_mode_words(()))
+        chosen = [other for other in words if other.startswith("study=") and other != word]
+        tree = _compose([*_mode_words(()), *chosen])
         keys = parsed.key_or_group.split(".")
         here: Any = tree
         for depth, key in enumerate(keys):

@@ -14,7 +14,7 @@ from pipeline.charge import checks as charge_checks
 from pipeline.charge.ensemble import EnsembleSettings
 from pipeline.charge.records import ChargeSettings, EngineSettings, Mode
 from pipeline.charge.trade_off_records import TradeOff
-from pipeline.config import searching
+from pipeline.config import searching, staged
 from pipeline.config.compose import CONF, Composed, options
 from pipeline.config.messages import explain
 from pipeline.config.sources import Source, attribute, leaves, split
@@ -23,6 +23,7 @@ from pipeline.converter.records import Load, PowerChain
 from pipeline.errors import UserError, best_matches
 from pipeline.grnn.records import NetworkStudy
 from pipeline.objective.records import ReflexFrequency
+from pipeline.objective.staging_records import Staging
 from pipeline.panel.records import Panel, PanelCurveSettings, Weather
 from pipeline.published import checks as published_checks
 from pipeline.published.names import found_quantities
@@ -30,6 +31,8 @@ from pipeline.published.network_names import network_quantities
 from pipeline.published.records import Statement
 from pipeline.record import Record
 from pipeline.report.records import FigureCard
+from pipeline.search.function_names import names as function_names
+from pipeline.search.function_records import FunctionStudy
 from pipeline.search.records import ChaosSettings
 from pipeline.search.registry import AnySettings
 from pipeline.taguchi.records import Design
@@ -41,6 +44,7 @@ RESERVED = frozenset(
         "benchmarks",
         "charges",
         "figures",
+        "functions",
         "logs",
         "network",
         "panel",
@@ -48,6 +52,7 @@ RESERVED = frozenset(
         "receipts",
         "report",
         "search",
+        "staging",
         "store",
         "tuning",
     }
@@ -62,6 +67,9 @@ class StudyCard(Record):
     question: str = Field(description="what the study asks, in a sentence")
     paper: str = Field(description="citation of the paper it follows")
     doi: str = Field(default="", description="the paper's DOI, where it has one")
+    on_request: dict[str, tuple[str, ...]] = Field(
+        default_factory=dict, description="target -> overrides of a run that is made only when the target is asked for"
+    )
 
     @field_validator("name")
     @classmethod
@@ -69,6 +77,16 @@ class StudyCard(Record):
         if name in RESERVED:
             raise ValueError(f"{name!r} is taken; not allowed are {', '.join(sorted(RESERVED))}")
         return name
+
+    @field_validator("on_request")
+    @classmethod
+    def _targets_free(cls, on_request: dict[str, tuple[str, ...]]) -> dict[str, tuple[str, ...]]:
+        for target, overrides in on_request.items():
+            if target in RESERVED | set(options("study")) or not target.isidentifier():
+                raise ValueError(f"target {target!r} is taken or no plain name; take another")
+            if not overrides:
+                raise ValueError(f"target {target!r} has no overrides; it would be the study itself")
+        return on_request
 
 
 StopName = Literal["soc", "voltage_v", "current_a", "temperature_c", "voltage_drop_v", "temperature_rate_k_s"]
@@ -111,6 +129,9 @@ class Study(Record):
     design: Design | None = Field(default=None, description="parameter design that tunes the search")
     search: AnySettings | None = Field(default=None, description="the search whose result others may ask for")
     oracle: AnySettings | None = Field(default=None, description="the sweep it is held against")
+    staging: Staging | None = Field(default=None, description="search for the currents of a staged charge")
+    calibrations: dict[str, Battery] = Field(default_factory=dict, description="batteries it is repeated on, by name")
+    functions: FunctionStudy | None = Field(default=None, description="searches on test functions")
     figures: dict[str, FigureCard] = Field(default_factory=dict)
     published: dict[str, Statement] = Field(default_factory=dict)
     sources: dict[str, Source] = Field(default_factory=dict)
@@ -119,7 +140,7 @@ class Study(Record):
 
     def parameter_sections(self) -> tuple[str, ...]:
         """Return the key paths below which every number is a physical parameter with a source."""
-        return sections(tuple(self.modes))
+        return sections(tuple(self.modes), tuple(self.calibrations))
 
     def parameters(self, section: str) -> Iterator[tuple[str, Any]]:
         """Yield key path and value of every parameter below a section."""
@@ -129,15 +150,16 @@ class Study(Record):
         return leaves(here, section)
 
 
-def sections(modes_in_use: tuple[str, ...]) -> tuple[str, ...]:
-    """Return the sections of the configuration that hold physical parameters, for the modes in use."""
+def sections(modes_in_use: tuple[str, ...], calibrations: tuple[str, ...] = ()) -> tuple[str, ...]:
+    """Return the sections of the configuration that hold physical parameters, for the modes and calibrations in use."""
     modes = tuple(f"modes.{name}" for name in modes_in_use)
     charge = ("charge.initial_soc", "charge.ambient_c")
     return (
         *("panel", "weather", "converter", "load", "battery", "second_battery"),
         *modes,
         *charge,
-        *("objective", "design", "search", "oracle", "network", "trade_off"),
+        *("objective", "design", "search", "oracle", "network", "trade_off", "functions"),
+        *("staging", *(f"calibrations.{name}" for name in calibrations)),
     )
 
 
@@ -192,6 +214,10 @@ def _choose_modes(composed: Composed, values: dict[str, Any]) -> dict[str, Any]:
     searched = objective.get("mode") if isinstance(objective, Mapping) else None
     if isinstance(searched, str) and searched in known:
         wanted.append(searched)
+    staging = values.get("staging")
+    printed = staging.get("mode") if isinstance(staging, Mapping) else None
+    if isinstance(printed, str) and printed in known:
+        wanted.append(printed)
     for name in run:
         if name not in known:
             raise UserError(
@@ -230,6 +256,7 @@ def _check_together(composed: Composed, study: Study) -> None:
             power = study.panel.approximate_power_w(study.weather.irradiance_w_m2, study.weather.cell_temperature_c)
             voltage = study.panel.max_power_voltage_v * study.panel.panels_in_series
             supply_checks.check(power, voltage, study.converter, study.load)
+        staged.check(study)
         searching.check(study)
         tables = {path.stem for path in reference_tables()}
         if study.design is not None and study.design.printed not in {None, *tables}:
@@ -258,8 +285,10 @@ def _makeable(study: Study) -> set[str]:
     """Return every input the study could make, also with modes that this run leaves out."""
     supplied = {"panel", "supply"} if study.panel is not None else set()
     charges = {f"charge/{comparison}/{mode}" for comparison in study.comparisons for mode in options("modes")}
-    supplied |= {name for name in ("chaos", "objective", "trade_off") if getattr(study, name) is not None}
+    parts = ("chaos", "objective", "trade_off", "functions")
+    supplied |= {name for name in parts if getattr(study, name) is not None}
     supplied |= set(network_quantities()) if study.network is not None else set()
+    supplied |= {"staging", "front"} if study.staging is not None else set()
     supplied |= set(searching.found_values(study)) | ({"tuning"} if study.design is not None else set())
     return supplied | charges | {f"reference/{path.stem}" for path in reference_tables()}
 
@@ -269,12 +298,14 @@ def _numbers(study: Study) -> dict[str, set[str]]:
     bins = () if study.chaos is None else study.chaos.bins
     factors = () if study.design is None else tuple(study.design.factors)
     numbers = found_quantities(bins, options("modes"), factors, searching.searches(study))
+    if study.functions is not None:
+        numbers["functions"] = function_names(study.functions)
     # Statements on the swarm are not checkable under another algorithm, which is no mistake in them.
     if study.search is not None and study.search.kind != "swarm":
         del numbers["search"]
     if study.trade_off is not None:
         numbers["trade_off"] = study.trade_off.quantities()
-    return numbers | ({} if study.network is None else network_quantities())
+    return numbers | staged.quantities(study) | ({} if study.network is None else network_quantities())
 
 
 @contextmanager

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable
 from typing import NamedTuple
 
-from pipeline import schemas, schemas_network, schemas_trade_off
+from pipeline import schemas, schemas_functions, schemas_network, schemas_staging, schemas_trade_off
 from pipeline.tables import Table
 
 
@@ -43,6 +43,16 @@ SOURCES: dict[tuple[str, str], Source] = (
         ("search", "statistics"): Source("statistics.parquet", schemas.SEARCH_STATISTICS),
         ("search", "comparison"): Source("comparison.parquet", schemas.SEARCH_COMPARISON),
         ("search", "quantities"): Source("quantities.parquet", schemas.QUANTITIES),
+        ("staging", "cases"): Source("cases.parquet", schemas_staging.STAGING_CASES),
+        ("staging", "currents"): Source("currents.parquet", schemas_staging.STAGING_CURRENTS),
+        ("staging", "quantities"): Source("quantities.parquet", schemas.QUANTITIES),
+        ("front", "front"): Source("front.parquet", schemas_staging.FRONT),
+        ("front", "calibrations"): Source("calibrations.parquet", schemas_staging.CALIBRATIONS),
+        ("front", "quantities"): Source("quantities.parquet", schemas.QUANTITIES),
+        ("functions", "statistics"): Source("statistics.parquet", schemas_functions.FUNCTION_STATISTICS),
+        ("functions", "tests"): Source("tests.parquet", schemas_functions.FUNCTION_TESTS),
+        ("functions", "ranks"): Source("ranks.parquet", schemas_functions.FUNCTION_RANKS),
+        ("functions", "quantities"): Source("quantities.parquet", schemas.QUANTITIES),
     }
     | {
         ("tuning", f"{name}_{part}"): Source(f"{name}.{part}.parquet", table)

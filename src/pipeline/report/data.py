@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from pipeline import schemas, schemas_network, schemas_trade_off, tables
+from pipeline import schemas, schemas_functions, schemas_network, schemas_staging, schemas_trade_off, tables
 
 Columns = dict[str, NDArray[Any]]
 
@@ -38,6 +38,17 @@ FILES: dict[str, tuple[str, tables.Table]] = {
     "statistics": ("statistics.parquet", schemas.SEARCH_STATISTICS),
     "comparison": ("comparison.parquet", schemas.SEARCH_COMPARISON),
     **{table: found for (_, table), found in schemas_network.ARTEFACTS.items()},
+    "staging_runs": ("runs.parquet", schemas_staging.STAGING_RUNS),
+    "staging_course": ("course.parquet", schemas_staging.STAGING_COURSE),
+    "staging_cases": ("cases.parquet", schemas_staging.STAGING_CASES),
+    "staging_currents": ("currents.parquet", schemas_staging.STAGING_CURRENTS),
+    "front": ("front.parquet", schemas_staging.FRONT),
+    "calibrations": ("calibrations.parquet", schemas_staging.CALIBRATIONS),
+    "calibration_stages": ("calibration_stages.parquet", schemas_staging.CALIBRATION_STAGES),
+    "function_curves": ("curves.parquet", schemas_functions.FUNCTION_CURVES),
+    "function_statistics": ("statistics.parquet", schemas_functions.FUNCTION_STATISTICS),
+    "function_tests": ("tests.parquet", schemas_functions.FUNCTION_TESTS),
+    "function_ranks": ("ranks.parquet", schemas_functions.FUNCTION_RANKS),
 }
 """Table name -> file inside its input's folder, and its declaration."""
 

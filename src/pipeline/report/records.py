@@ -68,6 +68,49 @@ class ControllerOptions(Record):
     mode: str = Field(default="grnn", min_length=1, description="mode whose controller is drawn")
 
 
+class FunctionConvergenceOptions(Record):
+    """Searches on test functions, run by run."""
+
+    functions: tuple[str, ...] = Field(min_length=1, description="names of the functions, a column each")
+    placements: tuple[Literal["centred", "shifted", "rotated"], ...] = Field(
+        default=("centred", "shifted", "rotated"), min_length=1, description="a row each"
+    )
+    searches: dict[str, str] = Field(min_length=1, description="name of a search -> what it is called here")
+
+
+class FunctionPlacementsOptions(Record):
+    """Searches on test functions, by where the minimum is."""
+
+    searches: dict[str, str] = Field(min_length=1, description="name of a search -> what it is called here")
+
+
+class ChargeOptions(Record):
+    """One charge."""
+
+    mode: str = Field(min_length=1, description="name of the mode")
+
+
+class StageTemperatureOptions(ChargeOptions):
+    """A staged charge, and what is printed about it."""
+
+    highest_k: float = Field(gt=0, description="highest temperature rise printed [K]")
+    after_three_k: float = Field(gt=0, description="highest rise of the first three stages printed [K]")
+    end_s: float = Field(gt=0, description="charging time printed [s]")
+
+
+class StageCasesOptions(Record):
+    """Staged charges that matter."""
+
+    cases: dict[str, str] = Field(min_length=1, max_length=7, description="name of a case -> what it is called here")
+
+
+class StageSearchOptions(Record):
+    """Searches for stage currents."""
+
+    weights: str = Field(min_length=1, description="name of the weights")
+    searches: dict[str, str] = Field(min_length=1, max_length=7, description="name of a search -> what it is called")
+
+
 class CircuitOptions(Record):
     """One of the paper's diagrams of the system."""
 
@@ -78,12 +121,18 @@ class CircuitOptions(Record):
 DRAWINGS: dict[str, type[Record]] = {
     "algorithm": NoOptions,
     "array_against_factorial": NoOptions,
+    "calibration_gains": NoOptions,
+    "cell_curves": NoOptions,
+    "charge_course": ChargeOptions,
     "charger": ControllerOptions,
     "circuit": CircuitOptions,
     "convergence": ConvergenceOptions,
+    "control_loop": NoOptions,
     "energy": NoOptions,
     "enlarged": EnlargedOptions,
     "frequency_map": NoOptions,
+    "function_convergence": FunctionConvergenceOptions,
+    "function_placements": FunctionPlacementsOptions,
     "level_effects": NoOptions,
     "logistic_map": NoOptions,
     "loss_over_frequency": NoOptions,
@@ -98,12 +147,26 @@ DRAWINGS: dict[str, type[Record]] = {
     "reflex_waveform": WaveformOptions,
     "search_effects": EffectOptions,
     "sensors": NoOptions,
+    "stage_currents": StageCasesOptions,
+    "stage_search_course": StageSearchOptions,
+    "stage_search_ends": StageSearchOptions,
+    "stage_temperature": StageTemperatureOptions,
     "strings": NoOptions,
     "supply": NoOptions,
+    "thevenin": NoOptions,
+    "time_rise_front": StageCasesOptions,
     "trade_off": NoOptions,
     "two_cells": NoOptions,
 }
 """Every module under `figures` and the record of its options."""
+
+
+Read = Literal[
+    "modes", "system", "algorithm", "battery", "stage_search", "panel", "supply", "chaos", "objective", "tuning",
+    "search", "surface", "network", "network_size", "network_kernels", "functions", "charge", "trade_off",
+    "staging_search", "staging", "front", "second_charge",
+]  # fmt: skip
+"""What a figure may read."""
 
 
 class FigureCard(Record):
@@ -113,29 +176,10 @@ class FigureCard(Record):
     paper: str = Field(default="", description="its number in the paper; empty for a figure of our own")
     title: str = Field(min_length=1, description="title, for people")
     caption: str = Field(min_length=1, description="what it shows; also its text for those who cannot see it")
-    reads: tuple[
-        Literal[
-            "modes",
-            "system",
-            "algorithm",
-            "panel",
-            "supply",
-            "chaos",
-            "objective",
-            "tuning",
-            "search",
-            "charge",
-            "trade_off",
-            "surface",
-            "network",
-            "network_size",
-            "network_kernels",
-            "second_charge",
-        ],
-        ...,
-    ] = Field(
+    reads: tuple[Read, ...] = Field(
         description="the steps whose artefacts it reads; modes: the knobs of the modes; system: panel, converters, "
-        "load and battery as configured; algorithm: the settings of the search; trade_off: its settings too; "
+        "load and battery as configured; algorithm: the settings of the search; battery: the battery as configured; "
+        "stage_search: the settings of the search for stage currents that is used; trade_off: its settings too; "
         "second_charge: the charges of the second battery, without which the figure is left out"
     )
     comparison: str | None = Field(default=None, description="the only comparison it shows; all of them without")

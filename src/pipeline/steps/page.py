@@ -11,10 +11,12 @@ from pipeline.digest import PROJECT
 from pipeline.report import second_cell
 from pipeline.report import tables as report_tables
 from pipeline.report.data import ReportData
+from pipeline.report.function_tables import function_tables
 from pipeline.report.network_tables import network_tables
 from pipeline.report.pages import PageContent, PageFigure, PageSection, Paper, render
 from pipeline.report.parameters import parameters
 from pipeline.report.search_tables import beyond_range, search_tables
+from pipeline.report.staging_tables import staging_tables
 from pipeline.report.tables import ReportTable
 from pipeline.report.worth import worth
 from pipeline.steps.labels import report_data
@@ -63,7 +65,8 @@ def _tables(data: ReportData, inputs: Mapping[str, Path]) -> list[ReportTable]:
     shown = [report_tables.charges(data), report_tables.energy(data)]
     if "panel" in inputs:
         shown.insert(0, report_tables.table_1(data, REFERENCE / "solar_table1.csv"))
-    return shown + search_tables(data, REFERENCE) + network_tables(data, REFERENCE)
+    shown += search_tables(data, REFERENCE) + network_tables(data, REFERENCE)
+    return shown + staging_tables(data) + function_tables(data)
 
 
 def _reading(cards: list[Mapping[str, Any]], step: str) -> list[str]:
