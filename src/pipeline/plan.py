@@ -180,7 +180,6 @@ def _described(run: Run) -> dict[str, Any]:
 
 def _chunks(runs: Sequence[Run], nodes: Mapping[str, Any]) -> dict[str, dict[str, Any]]:
     """Group the nodes of each step into jobs, by their order in the plan alone."""
-    sweep = sum(run.target is None for run in runs) > 1
     labels: dict[str, list[str]] = {}
     for run in runs:
         for node in run.nodes:
@@ -188,34 +187,42 @@ def _chunks(runs: Sequence[Run], nodes: Mapping[str, Any]) -> dict[str, dict[str
     chunks: dict[str, dict[str, Any]] = {}
     maker: dict[str, str] = {}
     for step in STEPS:
-        groups = [[key for key in group if nodes[key]["step"] == step] for group in _together(runs)]
-        size = CHUNK_SIZE.get(step, (1, 1))[sweep]
-        for part in (part for keys in groups for part in _evenly(keys, size)):
+        alone, in_sweep = CHUNK_SIZE.get(step, (1, 1))
+        parts = [
+            part
+            for keys, sweep in _together(runs)
+            for part in _evenly([key for key in keys if nodes[key]["step"] == step], in_sweep if sweep else alone)
+        ]
+        for part in parts:
             needed = {maker[key] for node in part for key in nodes[node]["inputs"].values()}
             name = _chunk_name([labels[key] for key in part], part)
             chunks[name] = {"step": step, "nodes": part, "needs": sorted(needed)}
             maker.update(dict.fromkeys(part, name))
-    always = [place for place, run in enumerate(runs) if run.target is None]
-    for published in ("all", *TARGETS):
-        chunks.update(_publications(runs, always, nodes, maker, published))
+    for study in dict.fromkeys(run.study.study.name for run in runs):
+        own = [place for place, run in enumerate(runs) if run.target is None and run.study.study.name == study]
+        for published in ("all", *TARGETS):
+            chunks.update(_publications(runs, own, nodes, maker, published))
     for place, run in enumerate(runs):
         if run.target is not None:
             chunks.update(_publications(runs, [place], nodes, maker, "all"))
     return chunks
 
 
-def _together(runs: Sequence[Run]) -> list[list[str]]:
-    """Return the keys of the runs that `all` makes, then those that a run on request has beside them.
+def _together(runs: Sequence[Run]) -> list[tuple[list[str], bool]]:
+    """Return the keys of each study's runs, then those that a run on request has beside them, each with `is a sweep`.
 
     No job makes nodes of two groups: what is not asked for is not made.
     """
-    groups = [[run for run in runs if run.target is None], *([run] for run in runs if run.target is not None)]
+    always = [run for run in runs if run.target is None]
+    studies = dict.fromkeys(run.study.study.name for run in always)
+    groups = [[run for run in always if run.study.study.name == study] for study in studies]
+    groups += [[run] for run in runs if run.target is not None]
     seen: set[str] = set()
     found = []
     for group in groups:
         keys = list(dict.fromkeys(key for run in group for key in run.keys.values() if key not in seen))
         seen.update(keys)
-        found.append(keys)
+        found.append((keys, len(group) > 1))
     return found
 
 

@@ -121,3 +121,17 @@ def test_another_number_of_stages_needs_a_mode_alone():
     made = nodes(*words)
     assert made["staging"].settings["problem"]["plan"]["soc_edges"] == [0.1, 0.3, 0.6, 0.9]
     assert len(made["staging_search/weights_5_5/plain"].settings["search"]["variables"]) == 3
+
+
+def test_a_study_is_made_without_the_others():
+    plan = make_plan([[LFP], ["study=solar_reflex"]])
+    run = next(run for run in plan["runs"] if run["study"] == "lfp_cuckoo" and not run["overrides"][1:])
+    own = {node["key"] for node in run["nodes"].values()}
+    waiting, needed = list(plan["targets"]["lfp_cuckoo"]), set()
+    while waiting:
+        name = waiting.pop()
+        if name not in needed:
+            needed.add(name)
+            waiting.extend(plan["chunks"][name]["needs"])
+    assert own == {key for name in needed for key in plan["chunks"][name].get("nodes", ())}
+    assert set(plan["targets"]["lfp_cuckoo"]) < set(plan["targets"]["all"])

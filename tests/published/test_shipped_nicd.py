@@ -35,7 +35,10 @@ NUMBERS: dict[str, dict[str, tuple[float, float]]] = {
         "genetic_population_mean": (0.5, 0.6),
         "anfis_mse": (0.13, 0.01),
         "least_squares_mse": (0.09, 0.01),
-        **{f"{name}_mse_median": (1.0, 0.1) for name in ("random", "random_best", "regular", "medoids", "greedy")},
+        **{
+            f"{name}_mse_median": (1.0, 0.1)
+            for name in ("exchange", "random", "random_best", "regular", "medoids", "greedy")
+        },
         "least_squares_mse_median": (0.09, 0.01),
         "uncovered_share": (0.4, 0.0),
     },

@@ -16,7 +16,7 @@ from pipeline.report import style
 from pipeline.report.data import ModeLabel, ReportData
 from pipeline.report.draw import draw, module
 from pipeline.report.records import FigureCard
-from pipeline.report.worth import answer, worth
+from pipeline.report.worth import answer, titles, worth
 from tests.charge.samples import ENGINE, battery, settings
 from tests.charge.test_trade_off import CHOSEN, MODES
 from tests.steps.network_artefacts import network_half
@@ -108,21 +108,29 @@ def test_the_stops_stand_where_the_trade_off_says(whole):
 
 
 def test_the_answer_holds_the_numbers_it_was_made_from(whole):
-    table = worth(whole)
-    found = whole.numbers("trade_off")
-    assert f"{found['network_time_to_full_paper_s']:.0f} s" in table.caption
-    assert f"{found['network_peak_paper_c']:.1f} °C" in table.caption
-    assert re.match(r"(No|Yes|Not always), in this model: in \d of 2 conditions", table.caption)
-    cells = [cell for row in table.rows for cell in row if isinstance(cell, float)]
+    found, said = whole.numbers("trade_off"), answer(whole.numbers("trade_off"), titles(whole))
+    assert f"{found['network_time_to_full_paper_s']:.0f} s" in said
+    assert f"{found['network_peak_paper_c']:.1f} °C" in said
+    assert re.match(r"(No|Yes|In 1 of 2 conditions), in this model: the plain rule.* in \d of 2 conditions", said)
+    cells = [cell for row in worth(whole).rows for cell in row if isinstance(cell, float)]
     assert found["rule_peak_warm_c"] in cells
 
 
 @pytest.mark.parametrize(
-    ("coolest", "words"), [({"a": 40.0, "b": 41.0}, "No"), ({"a": 40.0}, "Not always"), ({}, "Yes")]
+    ("rule", "words"),
+    [
+        ({"a": (100.0, 40.0), "b": (99.0, 41.0)}, "No"),
+        ({"a": (100.05, 40.0), "b": (110.0, 30.0)}, "In 1 of 2 conditions"),
+        ({"a": (90.0, 45.0)}, "Yes"),
+    ],
 )
-def test_the_answer_follows_the_numbers(coolest, words):
-    numbers = (("peak", "c"), ("time_to_full", "s"))
-    found = {f"network_{part}_{name}_{unit}": 45.0 for name in "ab" for part, unit in numbers}
-    found |= {f"coolest_peak_{name}_c": peak for name, peak in coolest.items()}
-    assert answer(found, {"a": "one", "b": "other"}).startswith(f"{words}, in this model: in {len(coolest)} of 2")
+def test_the_answer_follows_the_numbers(rule, words):
+    network = dict.fromkeys("ab", (100.0, 45.0))
+    found = {
+        f"{who}_{part}": value
+        for who, charges in (("network", network), ("rule", rule))
+        for name, pair in charges.items()
+        for part, value in zip((f"time_to_full_{name}_s", f"peak_{name}_c"), pair, strict=True)
+    }
+    assert answer(found, {"a": "one", "b": "other"}).startswith(f"{words}, in this model")
     assert answer({}, {"a": "one"}) == "The network did not charge the battery in this run."

@@ -18,7 +18,7 @@ from pipeline.report.parameters import parameters
 from pipeline.report.search_tables import beyond_range, search_tables
 from pipeline.report.staging_tables import staging_tables
 from pipeline.report.tables import ReportTable
-from pipeline.report.worth import worth
+from pipeline.report.worth import answer, titles, worth
 from pipeline.steps.labels import report_data
 
 REFERENCE = PROJECT / "conf" / "published" / "reference"
@@ -78,8 +78,8 @@ def _worth(data: ReportData, inputs: Mapping[str, Path], figures: list[PageFigur
     """Return the section on what the network is worth; none where the run does not weigh it."""
     if "trade_off" not in inputs:
         return []
-    found = worth(data)
-    return [PageSection("worth", found.title, found.caption, [found], figures)]
+    text = answer(data.numbers("trade_off"), titles(data))
+    return [PageSection("is-it-worth-it", "Is the network worth it?", text, [worth(data)], figures)]
 
 
 def _second(

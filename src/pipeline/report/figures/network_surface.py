@@ -15,12 +15,9 @@ from pipeline.report.records import FigureCard
 
 Array = NDArray[np.float64]
 _CENTRE: dict[str, Any] = {
-    "marker": "o",
-    "color": "white",
-    "markeredgecolor": "#222222",
-    "markersize": 7,
-    "linestyle": "",
-}
+    "marker": "o", "color": "white", "markeredgecolor": "#222222", "markersize": 7, "linestyle": "",
+    "clip_on": False, "zorder": 5,
+}  # fmt: skip
 _VIEW = {"elev": 28.0, "azim": -55.0}
 
 
