@@ -36,6 +36,8 @@ _CLOSED = 1e-1
 # An iteration that leaves more than this of its mismatch gets new slopes.
 _SLOW = 0.2
 _MUCH_SHORTER = 0.3
+# SOC that a stride moves at most: the start says nothing of what waits at the next knot of a table.
+_MOST_MOVED = 0.01
 
 
 @inlined
@@ -167,6 +169,7 @@ def _take_in(cell: Cell, run: Run, stride: Stride, scratch: Book, period_s: floa
     keep_period(run, scratch, stride)
     if stride.phase == _AT_START:
         learn(cell, run, stride, period_s)
+        stride.count = max(_FEWEST, min(stride.count, int(_MOST_MOVED / stride.scale[DEPTH])))
         return _ATTEMPT
     measure(cell, run, stride)
     if stride.phase == _AT_NODES:

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from pipeline.cell.circuit import Cell
 from pipeline.cell.relaxation import NODES
 from pipeline.charge.program import Program
-from pipeline.charge.record_keeping import CHARGE_IN, CHARGE_OUT, ENERGY_IN, ENERGY_OUT, Book
+from pipeline.charge.record_keeping import CHARGE_IN, CHARGE_OUT, ENERGY_IN, ENERGY_OUT, HIGHEST_V, Book
 from pipeline.charge.state import (
     CHARGE,
     DEPTH,
@@ -42,7 +42,7 @@ from pipeline.charge.stride import (
 from pipeline.jit import inlined
 
 # What the quadratics miss at the start of a stride, where it is known, weighs this much.
-_SHARE = 1e-2
+_SHARE = 3e-2
 
 
 @inlined
@@ -122,11 +122,13 @@ def predict(stride: Stride) -> None:
 
 @inlined
 def meets_stop(program: Program, stride: Stride, course: int) -> bool:
-    """Tell whether a voltage or temperature that stops the charge may lie between the nodes."""
+    """Tell whether a voltage or temperature that changes or stops the charge may lie between the nodes."""
     limits, seen = program.limits[course], stride.seen
-    volt = highest(seen[0, 1], seen[1, 1], seen[2, 1])
+    volt = highest(seen[0, HIGHEST_V], seen[1, HIGHEST_V], seen[2, HIGHEST_V])
     warm = highest(seen[0, PEAK_K], seen[1, PEAK_K], seen[2, PEAK_K])
-    return bool(volt >= min(limits[1], limits[5]) or warm >= min(limits[3], limits[7]))
+    seen_v = max(seen[0, HIGHEST_V], max(seen[1, HIGHEST_V], seen[2, HIGHEST_V]))
+    unseen = seen_v < program.limit_v[course] <= volt
+    return bool(unseen or volt >= min(limits[1], limits[5]) or warm >= min(limits[3], limits[7]))
 
 
 @inlined
