@@ -39,6 +39,8 @@ _BARYCENTRIC = _barycentric()
 END_K, PEAK_K, END_V, PEAK_V = range(4)
 """Columns of what is found of each piece: rise at its end and highest rise [K], last and highest voltage [V]."""
 FOUND = 4
+# Share of a piece within which a maximum is found; its value then has all its digits.
+_SETTLED = 1e-7
 
 
 @inlined
@@ -57,23 +59,38 @@ def _between(values: Array, place: float) -> float:
 
 @inlined
 def _highest(values: Array) -> float:
-    """Return the maximum over a piece: an end, or that of the polynomial about its highest place."""
+    """Return the maximum over a piece: an end, or that of the polynomial about its highest place.
+
+    By parabolas through the highest point and its neighbours, each shrinking the bracket they span.
+    """
     best = 0
     for j in range(1, _END + 1):
         if values[j] > values[best]:
             best = j
     if best == 0 or best == _END:
         return float(values[best])
-    low, high = PLACES[best - 1], PLACES[best + 1]
-    for _ in range(40):
-        third = 0.381966011250105 * (high - low)
-        if _between(values, low + third) < _between(values, high - third):
-            low += third
-        else:
-            high -= third
-        if high - low < 1e-6:
+    low, top, high = PLACES[best - 1], PLACES[best], PLACES[best + 1]
+    at_low, at_top, at_high = values[best - 1], values[best], values[best + 1]
+    for _ in range(12):
+        left, right = (top - low) * (at_top - at_high), (high - top) * (at_top - at_low)
+        if not left + right > 0.0:
             break
-    return max(float(values[best]), _between(values, 0.5 * (low + high)))
+        step = 0.5 * ((high - top) * right - (top - low) * left) / (left + right)
+        if abs(step) < _SETTLED:
+            break
+        trial = top + step
+        value = _between(values, trial)
+        if value > at_top:
+            if step > 0.0:
+                low, at_low = top, at_top
+            else:
+                high, at_high = top, at_top
+            top, at_top = trial, value
+        elif step > 0.0:
+            high, at_high = trial, value
+        else:
+            low, at_low = trial, value
+    return float(at_top)
 
 
 @kernel
