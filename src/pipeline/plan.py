@@ -6,7 +6,7 @@ are the same node, whichever run asked for them.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Container, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from itertools import pairwise
 from pathlib import Path
@@ -80,16 +80,20 @@ class Run:
     target: str | None = None
 
 
-def make_plan(overrides: Iterable[Sequence[str]]) -> dict[str, Any]:
+def make_plan(overrides: Iterable[Sequence[str]], asked: Container[str] | None = None) -> dict[str, Any]:
     """Compose one run for each list of overrides and join their nodes into a plan.
 
     A study run without overrides brings the runs that it has on request.
+
+    Arguments
+    ---------
+    asked : targets whose runs on request are planned; all of them without.
 
     Raises
     ------
     UserError : a configuration that does not compose or validate, or two runs of one name.
     """
-    runs = [run for words in overrides for run in _runs(words)]
+    runs = [run for words in overrides for run in _runs(words, asked)]
     names = [(run.study.study.name, run.name) for run in runs]
     for name in names:
         if names.count(name) > 1:
@@ -116,11 +120,11 @@ def run_name(overrides: Sequence[str]) -> str:
     return name
 
 
-def _runs(words: Sequence[str]) -> Iterator[Run]:
+def _runs(words: Sequence[str], asked: Container[str] | None) -> Iterator[Run]:
     run = _run(words)
     yield run
-    if not run.study.overrides:
-        for target, more in run.study.study.on_request.items():
+    for target, more in run.study.study.on_request.items() if not run.study.overrides else ():
+        if asked is None or target in asked:
             yield replace(_run([*words, *more]), target=target)
 
 

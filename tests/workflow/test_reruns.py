@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import json
 from collections import Counter
-from pathlib import Path
 
 import pytest
 
@@ -96,21 +95,3 @@ def test_a_lost_artefact_is_made_again(restored: Project) -> None:
     assert restored.planned()["power_supply"] == 1
     restored.snakemake()
     assert restored.planned() == Counter()
-
-
-def test_a_forced_job_that_finds_something_else_names_it(restored: Project) -> None:
-    restored.snakemake("-R", "fit_panel", "--until", "fit_panel")
-    manifest = json.loads((restored.folder / "results/solar_reflex/default/manifest.json").read_text())
-    entry = next(entry for entry in manifest["artefacts"] if entry["path"].endswith("panel/points.parquet"))
-    folder = restored.folder / "results/store/panel" / entry["key"]
-    store.remove(folder)
-    store.make(restored.folder / "results", "panel", entry["key"], _write_another)
-    printed = restored.snakemake("-R", "fit_panel", "--until", "fit_panel", code=1)
-    assert "points.parquet" in printed
-    assert entry["key"] in printed
-    store.remove(folder)
-
-
-def _write_another(folder: Path) -> None:
-    for name in ("curves", "parameters", "points"):
-        (folder / f"{name}.parquet").write_text("something else")

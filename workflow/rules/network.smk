@@ -42,6 +42,8 @@ rule size_network:
         flow.log("network_size"),
     benchmark:
         flow.benchmark("network_size")
+    # The longest job: begun last, it would run alone.
+    priority: 10
     params:
         again=again("size_network"),
     message:
@@ -59,6 +61,7 @@ rule vary_kernel:
         flow.log("network_kernels"),
     benchmark:
         flow.benchmark("network_kernels")
+    priority: 5
     params:
         again=again("vary_kernel"),
     message:

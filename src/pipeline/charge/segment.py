@@ -12,7 +12,7 @@ from pipeline.cell.circuit import Cell
 from pipeline.cell.relaxation import MOST_SLOTS, fill
 from pipeline.charge.error import step_error
 from pipeline.charge.lanes import put
-from pipeline.charge.moment import finish_moment, place_start, solve_start
+from pipeline.charge.moment import place_start, solve_start
 from pipeline.charge.state import (
     CURRENT_CONTROL,
     DEPTH,
@@ -82,22 +82,6 @@ def target_of(cell: Cell, demand: Demand, control: int) -> float:
     return float(demand.power_w / cell.cells)
 
 
-@inlined
-def solve_moment(cell: Cell, run: Run, control: int, target: float, guess: float) -> bool:
-    """Solve the start of a step; False where the circuit fails."""
-    return solve_start(cell, run, control, target, guess) or _rounded_off(cell, run, control, target)
-
-
-@kernel
-def _rounded_off(cell: Cell, run: Run, control: int, target: float) -> bool:
-    """Tell whether an iteration that did not end had nothing but rounding left to remove.
-
-    Near full the main current is the difference of two currents a billion times its size: its last digits are noise.
-    """
-    residual, _ = finish_moment(cell, run, START, run.relaxed_v, control, target)
-    return bool(abs(residual) <= 1e-12 * abs(target))
-
-
 @kernel
 def choose_control(cell: Cell, run: Run, demand: Demand) -> bool:
     """Pick the control that gives the least current and solve the start in it; False where the circuit fails."""
@@ -106,16 +90,16 @@ def choose_control(cell: Cell, run: Run, demand: Demand) -> bool:
     if cell.acceptance == 1:
         state[RELAXATIONS + cell.pairs] = max(0.0, state[RELAXATIONS + cell.pairs])
     place_start(cell, run)
-    if not solve_moment(cell, run, CURRENT_CONTROL, demand.current_a, demand.current_a):
+    if not solve_start(cell, run, CURRENT_CONTROL, demand.current_a, demand.current_a):
         return False
     if demand.charging:
         if at[TERMINAL_V, START] > demand.limit_v:
             run.control = VOLTAGE_CONTROL
-            if not solve_moment(cell, run, VOLTAGE_CONTROL, demand.limit_v, at[MAIN, START]):
+            if not solve_start(cell, run, VOLTAGE_CONTROL, demand.limit_v, at[MAIN, START]):
                 return False
         if cell.cells * at[TERMINAL_V, START] * at[TOTAL, START] > demand.power_w:
             run.control = POWER_CONTROL
-            if not solve_moment(cell, run, POWER_CONTROL, demand.power_w / cell.cells, at[MAIN, START]):
+            if not solve_start(cell, run, POWER_CONTROL, demand.power_w / cell.cells, at[MAIN, START]):
                 return False
     run.guess_a = at[MAIN, START]
     _choose_bypass(cell, run)
@@ -134,7 +118,7 @@ def continue_moment(cell: Cell, run: Run, demand: Demand) -> bool:
     # The step's own end is the better guess: where next to nothing is accepted, the start's balance is all rounding.
     run.guess_a = run.at[MAIN, 2]
     place_start(cell, run)
-    return solve_moment(cell, run, run.control, target_of(cell, demand, run.control), run.guess_a)
+    return solve_start(cell, run, run.control, target_of(cell, demand, run.control), run.guess_a)
 
 
 @inlined

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
-from pathlib import Path
 from typing import Any, Literal
 
 from pydantic import Field, ValidationError, field_validator
@@ -15,7 +14,7 @@ from pipeline.charge.ensemble import EnsembleSettings
 from pipeline.charge.records import ChargeSettings, EngineSettings, Mode
 from pipeline.charge.trade_off_records import TradeOff
 from pipeline.config import searching, staged
-from pipeline.config.compose import CONF, Composed, options
+from pipeline.config.compose import Composed, options
 from pipeline.config.messages import explain
 from pipeline.config.sources import Source, attribute, leaves, split
 from pipeline.converter import checks as supply_checks
@@ -29,6 +28,7 @@ from pipeline.published import checks as published_checks
 from pipeline.published.names import found_quantities
 from pipeline.published.network_names import network_quantities
 from pipeline.published.records import Statement
+from pipeline.published.reference import reference_tables
 from pipeline.record import Record
 from pipeline.report.records import FigureCard
 from pipeline.search.function_names import names as function_names
@@ -274,11 +274,6 @@ def _check_second(battery: Battery, mode: Mode, charge: ChargeSettings) -> None:
         charge_checks.check(battery, mode, charge)
     except UserError as error:
         raise UserError(f"{error}; meant is the second battery, {battery.name}") from None
-
-
-def reference_tables() -> list[Path]:
-    """Return the CSV files of the papers' own tables, which statements read as `reference/<name>`."""
-    return sorted((CONF / "published" / "reference").glob("*.csv"))
 
 
 def _makeable(study: Study) -> set[str]:

@@ -10,16 +10,15 @@ from typing import Any, cast
 import numpy as np
 
 from pipeline import schemas_network, tables
-from pipeline.digest import PROJECT
 from pipeline.errors import UserError, best_matches
 from pipeline.grnn.data import Data, data_of
 from pipeline.grnn.kernels import KERNELS
 from pipeline.grnn.network import Network, make_network
 from pipeline.grnn.surfaces import Printed
+from pipeline.published.reference import REFERENCE
 
 LEARNT = "learnt"
 """Name of the data that the network learns, among the surfaces."""
-REFERENCE = PROJECT / "conf" / "published" / "reference"
 _PAIRS = ("widths", "scales", "low", "high")
 _COLUMNS = {
     "widths": ("width_temperature", "width_gradient"),

@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from pipeline import schemas, tables
-from pipeline.digest import PROJECT
+from pipeline.published.reference import REFERENCE
 from pipeline.report import second_cell
 from pipeline.report import tables as report_tables
 from pipeline.report.data import ReportData
@@ -20,8 +20,6 @@ from pipeline.report.staging_tables import staging_tables
 from pipeline.report.tables import ReportTable
 from pipeline.report.worth import answer, titles, worth
 from pipeline.steps.labels import report_data
-
-REFERENCE = PROJECT / "conf" / "published" / "reference"
 
 
 def run(settings: Mapping[str, Any], inputs: Mapping[str, Path], output: Path) -> None:
