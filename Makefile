@@ -22,8 +22,11 @@ lint: setup-dev ## style, types, workflow
 	$(BIN)/snakefmt --check Snakefile workflow
 	$(BIN)/snakemake --lint
 
-bench: setup-dev ## time the charge engine
+bench: setup-dev ## time the charge engine, and the searches against other libraries
 	$(BIN)/python benchmarks/edge.py
+	$(BIN)/python benchmarks/averaged.py
+	$(BIN)/python -m benchmarks.genetic
+	$(BIN)/python benchmarks/searches.py
 
 accuracy: setup-dev ## the charge engine against a tight solve_ivp, three windows of 60 s
 	$(BIN)/python -m benchmarks.accuracy

@@ -25,5 +25,8 @@ rule all:
 include: "workflow/rules/targets.smk"
 include: "workflow/rules/supply.smk"
 include: "workflow/rules/search.smk"
+include: "workflow/rules/network.smk"
+include: "workflow/rules/staging.smk"
+include: "workflow/rules/functions.smk"
 include: "workflow/rules/charge.smk"
 include: "workflow/rules/report.smk"

@@ -17,6 +17,7 @@ from pipeline.charge.simulate import BENCH, simulate, warm_up
 
 CONF = Path(__file__).parents[1] / "conf"
 ROUNDS = 5
+EDGE = EngineSettings(driver="edge")
 
 
 def load(path: str) -> dict:
@@ -52,7 +53,7 @@ def main() -> None:
     for _ in range(ROUNDS):
         for name, (mode, soc) in cases().items():
             begin = time.perf_counter()
-            charge = simulate(battery, mode, BENCH, ChargeSettings(initial_soc=soc, ambient_c=25), EngineSettings())
+            charge = simulate(battery, mode, BENCH, ChargeSettings(initial_soc=soc, ambient_c=25), EDGE)
             walls.setdefault(name, []).append(time.perf_counter() - begin)
             counts[name] = {row.quantity: row.value or 0.0 for row in charge.summary}
     print(f"{'case':30s} {'median s':>9s} {'edges':>9s} {'steps/edge':>10s} {'ns/edge':>9s} {'ns/step':>8s}")

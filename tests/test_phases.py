@@ -12,7 +12,11 @@ from pipeline.config.compose import compose_tree
 from pipeline.config.study import study_from
 from pipeline.phases import drafts
 
-HOURLY = ("charge/same_peak/cv_reflex_hourly", "charge/same_mean/cv_reflex_hourly")
+HOURLY = {
+    f"{kind}/{comparison}/cv_reflex_hourly"
+    for kind in ("charge", "second_charge")
+    for comparison in ("same_peak", "same_mean")
+}
 
 
 def _keys(change: Callable[[dict[str, Any]], None], words: tuple[str, ...] = ()) -> dict[str, str]:

@@ -35,9 +35,10 @@ def jit(function: F) -> F:
 def kernel(function: F) -> F:
     """Compile a function that allocates nothing.
 
-    Without the counting of references, which allocation would need and which costs more than a small kernel's work.
+    Without the counting of references, which allocation would need and which costs more than a small kernel's work;
+    Python's lock is let go while it runs, so that threads run several at once.
     """
-    return _compile(function, _nrt=False)
+    return _compile(function, _nrt=False, nogil=True)
 
 
 def inlined(function: F) -> F:

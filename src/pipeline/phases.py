@@ -5,43 +5,50 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator, Mapping
 from typing import Any
 
+from pipeline.cell.records import Battery
 from pipeline.charge.comparison import compared
 from pipeline.charge.records import Mode
+from pipeline.config.searching import VARIABLE
 from pipeline.config.study import Study
 from pipeline.converter.records import PowerChain
 from pipeline.draft import Draft, needed, plain, with_found
+from pipeline.function_phases import functions
+from pipeline.network_phases import STEPS as NETWORK_STEPS
+from pipeline.network_phases import network
 from pipeline.planfile import command
 from pipeline.published.records import needs
+from pipeline.published.second_cell import SECOND, answered_by_charges, of_second
 from pipeline.record import Record
 from pipeline.search_phases import FINDERS, SECTION_OF, finders
+from pipeline.staging_phases import staging, used_settings
 from pipeline.switched_phases import switched
+from pipeline.trade_off_phases import trade_offs
 
 
 def drafts(study: Study) -> list[Draft]:
     """Return the nodes of a study, inputs before those that read them."""
-    nodes = [
-        with_found(node)
-        for node in (*_supply(study), *finders(study), *_charges(study), *_ensemble(study), *switched(study))
-    ]
+    parts = (_supply, finders, network, staging, _charges, _ensemble, trade_offs, switched)
+    nodes = [with_found(node) for part in parts for node in part(study)]
     nodes = needed(nodes, FINDERS)
+    nodes += functions(study)
     nodes += _verdicts(study, nodes)
     nodes += _figures(study, nodes)
     nodes += _page(study, nodes)
     return nodes
 
 
-def charge_name(comparison: str, mode: str) -> str:
+def charge_name(comparison: str, mode: str, second: bool = False) -> str:
     """Return the name of a charge's node, which is also the name of the input that reads it."""
-    return f"charge/{comparison}/{mode}"
+    return f"{SECOND if second else 'charge'}/{comparison}/{mode}"
 
 
-def compared_modes(study: Study) -> Iterator[tuple[str, str, Mode]]:
+def compared_modes(study: Study, battery: Battery) -> Iterator[tuple[str, str, Mode]]:
     """Yield comparison, mode name and the mode as it is run there."""
     for name, comparison in study.comparisons.items():
         reference = comparison.mean_current_of
         for mode_name in study.run:
             other = None if reference is None else study.modes[reference]
-            yield name, mode_name, compared(study.modes[mode_name], other, study.battery)
+            yield name, mode_name, compared(study.modes[mode_name], other, battery, comparison.stops)
 
 
 def _supply(study: Study) -> Iterator[Draft]:
@@ -73,23 +80,37 @@ def _averaged(study: Study) -> PowerChain | None:
 
 def _charges(study: Study) -> Iterator[Draft]:
     yield Draft("engine", "engine", "engine", {})
-    for comparison, mode_name, mode in compared_modes(study):
+    first = _charges_of(study, study.battery)
+    if study.second_battery is None:
+        yield from first
+        return
+    # In turn, so that a job takes one of each.
+    for pair in zip(first, _charges_of(study, study.second_battery, second=True), strict=True):
+        yield from pair
+
+
+def _charges_of(study: Study, battery: Battery, second: bool = False) -> Iterator[Draft]:
+    # No figure enlarges a charge of the second battery.
+    charge = study.charge.model_copy(update={"windows": []}) if second else study.charge
+    parts = [*([] if second else ["waveform"]), "summary", "phases", "energy"]
+    for comparison, mode_name, mode in compared_modes(study, battery):
         settings = {
-            "battery": _untitled(study.battery, study.battery.name),
+            "battery": _untitled(battery, battery.name),
             "mode": _untitled(mode, mode_name),
-            "charge": plain(study.charge),
+            "charge": plain(charge),
             "engine": plain(study.engine),
         }
-        place = f"charge/{comparison}/{mode_name}"
+        place = f"{'second/' if second else ''}charge/{comparison}/{mode_name}"
+        modes = (f"modes.{name}" for name in (mode_name, _reference(study, comparison)))
         yield Draft(
             "charge",
-            charge_name(comparison, mode_name),
-            f"{comparison}.{mode_name}",
+            charge_name(comparison, mode_name, second),
+            f"{'second.' if second else ''}{comparison}.{mode_name}",
             settings,
             inputs=_charge_inputs(study),
-            sections=("battery", "charge", *(f"modes.{name}" for name in (mode_name, _reference(study, comparison)))),
+            sections=("second_battery" if second else "battery", "charge", *modes),
             shown={"trace.bdf.parquet": f"{place}.bdf.parquet"}
-            | {f"{part}.parquet": f"{place}.{part}.parquet" for part in ("waveform", "summary", "phases", "energy")},
+            | {f"{part}.parquet": f"{place}.{part}.parquet" for part in parts},
         )
 
 
@@ -132,6 +153,7 @@ def _ensemble(study: Study) -> Iterator[Draft]:
                 "seed": study.seed,
                 "run": study.run,
                 "comparisons": {name: card.mean_current_of for name, card in study.comparisons.items()},
+                "stops": {name: card.stops for name, card in study.comparisons.items() if card.stops is not None},
             }
         ),
         inputs=_charge_inputs(study),
@@ -159,26 +181,36 @@ def _verdicts(study: Study, nodes: list[Draft]) -> Iterator[Draft]:
     known = {node.name for node in nodes}
     inputs = {name: name for statement in study.published.values() for name in needs(statement) if name in known}
     inputs |= {"ensemble": "ensemble"} if "ensemble" in known else {}
-    calibrated = {
-        identifier: sorted(_calibrated(study, nodes, {name for name in needs(statement) if name in known}, identifier))
-        for identifier, statement in study.published.items()
+    settings = {
+        "statements": _named(study.published),
+        "calibrated": _calibrated(
+            study, nodes, {identifier: needs(statement) for identifier, statement in study.published.items()}
+        ),
     }
-    yield Draft(
-        "verdicts",
-        "verdicts",
-        study.study.name,
-        {
-            "statements": _named(study.published),
-            "calibrated": {key: paths for key, paths in calibrated.items() if paths},
-        },
-        inputs=dict(sorted(inputs.items())),
-        shown={"verdicts.parquet": "published/verdicts.parquet"},
-    )
+    shown = {"verdicts.parquet": "published/verdicts.parquet"}
+    if study.second_battery is not None:
+        asked = {
+            identifier: {of_second(name) for name in needs(statement)}
+            for identifier, statement in answered_by_charges(study.published).items()
+        }
+        inputs |= {name: name for names in asked.values() for name in names if name in known}
+        settings["second_calibrated"] = _calibrated(study, nodes, asked)
+        shown["second.parquet"] = "second/verdicts.parquet"
+    yield Draft("verdicts", "verdicts", study.study.name, settings, inputs=dict(sorted(inputs.items())), shown=shown)
 
 
-def _calibrated(study: Study, nodes: list[Draft], names: set[str], statement: str) -> set[str]:
-    """Return the parameters that were fitted to a statement and reach its answer through the plan's edges."""
+def _calibrated(study: Study, nodes: list[Draft], asked: Mapping[str, Iterable[str]]) -> dict[str, list[str]]:
+    """Return for each statement the parameters that were fitted to it and reach its answer, where there are any."""
     by_name = {node.name: node for node in nodes}
+    found = {
+        identifier: sorted(_fitted(study, by_name, {name for name in names if name in by_name}, identifier))
+        for identifier, names in asked.items()
+    }
+    return {identifier: paths for identifier, paths in found.items() if paths}
+
+
+def _fitted(study: Study, by_name: Mapping[str, Draft], names: set[str], statement: str) -> set[str]:
+    """Return the parameters that were fitted to a statement and reach its answer through the plan's edges."""
     waiting, seen = list(names), set[str]()
     while waiting:
         name = waiting.pop()
@@ -194,9 +226,9 @@ def _calibrated(study: Study, nodes: list[Draft], names: set[str], statement: st
 
 
 def _figures(study: Study, nodes: list[Draft]) -> Iterator[Draft]:
-    made = {node.step for node in nodes}
+    made = {_kind(node) for node in nodes}
     for identifier, card in study.figures.items():
-        if FINDERS & set(card.reads) - made:
+        if {*FINDERS, SECOND, "functions"} & set(card.reads) - made:
             continue
         inputs = {node.name: node.name for node in nodes if _wanted(node, card.reads, card.comparison)}
         yield with_found(
@@ -209,6 +241,7 @@ def _figures(study: Study, nodes: list[Draft]) -> Iterator[Draft]:
                     "card": plain(card),
                     "settings": _configured(study, card.reads),
                     **_labels(study, knobs="modes" in card.reads),
+                    **(_cells(study) if SECOND in card.reads else {}),
                 },
                 inputs=inputs,
                 shown={f"{identifier}.{kind}": f"figures/{identifier}.{kind}" for kind in ("svg", "png")},
@@ -219,9 +252,14 @@ def _figures(study: Study, nodes: list[Draft]) -> Iterator[Draft]:
 
 
 def _wanted(node: Draft, reads: Iterable[str], comparison: str | None) -> bool:
-    if node.step not in reads:
+    if _kind(node) not in reads:
         return False
-    return node.step != "charge" or comparison is None or node.name.startswith(f"charge/{comparison}/")
+    return node.step != "charge" or comparison is None or node.name.split("/")[1] == comparison
+
+
+def _kind(node: Draft) -> str:
+    """Return the step of a node, those that charge the second battery told from the others."""
+    return SECOND if node.name.startswith(f"{SECOND}/") else node.step
 
 
 def _labels(study: Study, knobs: bool = False) -> dict[str, Any]:
@@ -234,6 +272,12 @@ def _labels(study: Study, knobs: bool = False) -> dict[str, Any]:
     return {"modes": modes, "comparisons": comparisons}
 
 
+def _cells(study: Study) -> dict[str, Any]:
+    """What a reader of both batteries' charges needs to name them."""
+    both = (study.battery, study.second_battery)
+    return {"cells": [battery.title for battery in both if battery is not None]}
+
+
 def _configured(study: Study, reads: Iterable[str]) -> dict[str, Any]:
     """What a figure draws of the configuration itself."""
     found: dict[str, Any] = {}
@@ -243,6 +287,12 @@ def _configured(study: Study, reads: Iterable[str]) -> dict[str, Any]:
         found["system"]["discharge_voltage_v"] = study.objective.discharge_voltage_v if study.objective else None
     if "algorithm" in reads and study.search is not None:
         found["algorithm"] = plain(study.search.model_copy(update={"variants": {}}))
+    if "trade_off" in reads and study.trade_off is not None:
+        found["trade_off"] = plain(study.trade_off)
+    if "battery" in reads:
+        found["battery"] = plain(study.battery)
+    if "stage_search" in reads:
+        found["stage_search"] = used_settings(study)
     return found
 
 
@@ -252,7 +302,10 @@ def _named(records: Mapping[str, Record]) -> list[dict[str, Any]]:
 
 
 _SHOWN = frozenset(
-    {"panel", "supply", "chaos", "objective", "tuning", "search", "charge", "switched", "verdicts", "figures"}
+    {
+        *("panel", "supply", "chaos", "objective", "tuning", "search", *NETWORK_STEPS, "functions", "charge"),
+        *("switched", "trade_off", "staging_search", "staging", "front", "verdicts", "figures"),
+    }
 )
 
 
@@ -269,12 +322,23 @@ def _page(study: Study, nodes: list[Draft]) -> Iterator[Draft]:
             "parameters": _parameters(study, {node.step for node in nodes}),
             "command": command(study.study.name, study.overrides),
             "overrides": list(study.overrides),
+            "settings": _configured(study, ("trade_off",)),
             **_labels(study),
+            **_searched(study, nodes),
+            **(_cells(study) if study.second_battery is not None else {}),
         },
         inputs={node.name: node.name for node in nodes if node.step in _SHOWN},
         shown={"*": ""},
         view="reports",
     )
+
+
+def _searched(study: Study, nodes: list[Draft]) -> dict[str, list[float]]:
+    """Return the range of frequencies of a search that is run."""
+    if study.search is None or "search" not in {node.step for node in nodes}:
+        return {}
+    limits = study.search.variables[VARIABLE]
+    return {"searched": [limits.low, limits.high]}
 
 
 def _parameters(study: Study, steps: set[str]) -> list[dict[str, Any]]:

@@ -6,8 +6,8 @@ are the same node, whichever run asked for them.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Container, Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
 from itertools import pairwise
 from pathlib import Path
 from typing import Any
@@ -23,6 +23,9 @@ from pipeline.planfile import STEPS, VERSION
 # Files a step reads beside its inputs, relative to the project; their content is part of the key.
 STEP_FILES: dict[str, tuple[str, ...]] = {
     "tuning": ("conf/published/reference/*.csv",),
+    "surface": ("conf/published/reference/nicd_*.csv",),
+    "network": ("conf/published/reference/nicd_*.csv",),
+    "network_size": ("conf/published/reference/nicd_*.csv",),
     "verdicts": ("conf/published/reference/*.csv",),
     "figures": ("src/pipeline/report/*.mplstyle",),
     "page": ("src/pipeline/report/templates/*", "conf/published/reference/*.csv"),
@@ -35,7 +38,17 @@ CHUNK_SIZE = {
     "objective": (1, 32),
     "tuning": (1, 4),
     "search": (1, 8),
-    "charge": (1, 12),
+    "surface": (1, 8),
+    "network": (1, 4),
+    "network_size": (1, 4),
+    "network_kernels": (1, 4),
+    "staging_search": (3, 3),
+    "staging": (1, 8),
+    "front": (1, 8),
+    "function_runs": (2, 2),
+    "functions": (1, 8),
+    "charge": (4, 12),  # loading the kernels takes as long as a charge or two
+    "trade_off": (1, 4),
     "switched": (1, 12),
     "verdicts": (1, 32),
     "figures": (7, 14),
@@ -46,29 +59,42 @@ TARGETS = {
     "panel": ("panel", "supply"),
     "tuning": ("tuning",),
     "search": ("chaos", "objective", "search"),
-    "charges": ("charge", "switched"),
+    "network": ("surface", "network", "network_size", "network_kernels"),
+    "staging": ("staging_search", "staging", "front"),
+    "functions": ("function_runs", "functions"),
+    "charges": ("charge", "switched", "trade_off"),
     "figures": ("figures",),
 }
 
 
 @dataclass(frozen=True)
 class Run:
-    """One composed study: its name, its record, its nodes and the key of each."""
+    """One composed study: its name, its record, its nodes and the key of each.
+
+    `target` names the one target that makes a run which `all` leaves out.
+    """
 
     name: str
     study: Study
     nodes: tuple[Draft, ...]
     keys: Mapping[str, str]
+    target: str | None = None
 
 
-def make_plan(overrides: Iterable[Sequence[str]]) -> dict[str, Any]:
+def make_plan(overrides: Iterable[Sequence[str]], asked: Container[str] | None = None) -> dict[str, Any]:
     """Compose one run for each list of overrides and join their nodes into a plan.
+
+    A study run without overrides brings the runs that it has on request.
+
+    Arguments
+    ---------
+    asked : targets whose runs on request are planned; all of them without.
 
     Raises
     ------
     UserError : a configuration that does not compose or validate, or two runs of one name.
     """
-    runs = [_run(words) for words in overrides]
+    runs = [run for words in overrides for run in _runs(words, asked)]
     names = [(run.study.study.name, run.name) for run in runs]
     for name in names:
         if names.count(name) > 1:
@@ -93,6 +119,14 @@ def run_name(overrides: Sequence[str]) -> str:
     if len(name) > 100:
         name = f"{name[:88]}-{digest.of_value(words)[:8]}"
     return name
+
+
+def _runs(words: Sequence[str], asked: Container[str] | None) -> Iterator[Run]:
+    run = _run(words)
+    yield run
+    for target, more in run.study.study.on_request.items() if not run.study.overrides else ():
+        if asked is None or target in asked:
+            yield replace(_run([*words, *more]), target=target)
 
 
 def _run(words: Sequence[str]) -> Run:
@@ -151,7 +185,6 @@ def _described(run: Run) -> dict[str, Any]:
 
 def _chunks(runs: Sequence[Run], nodes: Mapping[str, Any]) -> dict[str, dict[str, Any]]:
     """Group the nodes of each step into jobs, by their order in the plan alone."""
-    sweep = len(runs) > 1
     labels: dict[str, list[str]] = {}
     for run in runs:
         for node in run.nodes:
@@ -159,15 +192,43 @@ def _chunks(runs: Sequence[Run], nodes: Mapping[str, Any]) -> dict[str, dict[str
     chunks: dict[str, dict[str, Any]] = {}
     maker: dict[str, str] = {}
     for step in STEPS:
-        keys = [key for key in nodes if nodes[key]["step"] == step]
-        for part in _evenly(keys, CHUNK_SIZE.get(step, (1, 1))[sweep]):
+        alone, in_sweep = CHUNK_SIZE.get(step, (1, 1))
+        parts = [
+            part
+            for keys, sweep in _together(runs)
+            for part in _evenly([key for key in keys if nodes[key]["step"] == step], in_sweep if sweep else alone)
+        ]
+        for part in parts:
             needed = {maker[key] for node in part for key in nodes[node]["inputs"].values()}
             name = _chunk_name([labels[key] for key in part], part)
             chunks[name] = {"step": step, "nodes": part, "needs": sorted(needed)}
             maker.update(dict.fromkeys(part, name))
-    for published in ("all", *TARGETS):
-        chunks.update(_publications(runs, nodes, maker, published))
+    for study in dict.fromkeys(run.study.study.name for run in runs):
+        own = [place for place, run in enumerate(runs) if run.target is None and run.study.study.name == study]
+        for published in ("all", *TARGETS):
+            chunks.update(_publications(runs, own, nodes, maker, published))
+    for place, run in enumerate(runs):
+        if run.target is not None:
+            chunks.update(_publications(runs, [place], nodes, maker, "all"))
     return chunks
+
+
+def _together(runs: Sequence[Run]) -> list[tuple[list[str], bool]]:
+    """Return the keys of each study's runs, then those that a run on request has beside them, each with `is a sweep`.
+
+    No job makes nodes of two groups: what is not asked for is not made.
+    """
+    always = [run for run in runs if run.target is None]
+    studies = dict.fromkeys(run.study.study.name for run in always)
+    groups = [[run for run in always if run.study.study.name == study] for study in studies]
+    groups += [[run] for run in runs if run.target is not None]
+    seen: set[str] = set()
+    found = []
+    for group in groups:
+        keys = list(dict.fromkeys(key for run in group for key in run.keys.values() if key not in seen))
+        seen.update(keys)
+        found.append((keys, len(group) > 1))
+    return found
 
 
 def _evenly(keys: list[str], most: int) -> list[list[str]]:
@@ -178,17 +239,17 @@ def _evenly(keys: list[str], most: int) -> list[list[str]]:
 
 
 def _publications(
-    runs: Sequence[Run], nodes: Mapping[str, Any], maker: Mapping[str, str], part: str
+    runs: Sequence[Run], places: Sequence[int], nodes: Mapping[str, Any], maker: Mapping[str, str], part: str
 ) -> dict[str, dict[str, Any]]:
     """Return the jobs that link artefacts to their readable places: all of a run's, or a named part of them."""
     steps = TARGETS.get(part, STEPS)
     found = {}
-    for start in range(0, len(runs), PUBLISH_SIZE):
-        batch = runs[start : start + PUBLISH_SIZE]
+    for start in range(0, len(places), PUBLISH_SIZE):
+        numbers = list(places[start : start + PUBLISH_SIZE])
+        batch = [runs[number] for number in numbers]
         needed = {maker[key] for run in batch for key in run.keys.values() if nodes[key]["step"] in steps}
         labels = [[f"{run.study.study.name}.{run.name}.{part}"] for run in batch]
         name = _chunk_name(labels, [part, *(_described(run)["digest"] for run in batch)])
-        numbers = list(range(start, start + len(batch)))
         found[name] = {"step": "publish", "part": part, "steps": list(steps), "runs": numbers, "needs": sorted(needed)}
     return found
 
@@ -203,10 +264,18 @@ def _chunk_name(labels: Sequence[Sequence[str]], identity: Sequence[str]) -> str
 
 
 def _targets(runs: Sequence[Run], chunks: Mapping[str, Any]) -> dict[str, list[str]]:
-    published = {name: chunk for name, chunk in chunks.items() if chunk["step"] == "publish"}
+    requested = {place: run.target for place, run in enumerate(runs) if run.target is not None}
+    on_request = {
+        name: requested[chunk["runs"][0]]
+        for name, chunk in chunks.items()
+        if chunk["step"] == "publish" and chunk["runs"][0] in requested
+    }
+    published = {name: chunk for name, chunk in chunks.items() if chunk["step"] == "publish" and name not in on_request}
     targets = {part: [n for n, chunk in published.items() if chunk["part"] == part] for part in ("all", *TARGETS)}
     targets["report"] = targets["all"]
     for study in sorted({run.study.study.name for run in runs}):
         mine = {index for index, run in enumerate(runs) if run.study.study.name == study}
         targets[study] = [name for name in targets["all"] if mine & set(published[name]["runs"])]
+    for name, target in on_request.items():
+        targets.setdefault(target, []).append(name)
     return targets

@@ -14,8 +14,10 @@ from pipeline.errors import UserError
 VERSION = 1
 # The order of the steps; a chunk needs only chunks of earlier steps.
 STEPS = (
-    "panel", "supply", "chaos", "objective", "tuning", "search", "engine", "charge", "switched", "ensemble", "verdicts",
-    "figures", "page",
+    "panel", "supply", "chaos", "objective", "tuning", "search",
+    "surface", "network", "network_size", "network_kernels",
+    "staging_search", "function_runs", "staging", "front", "functions",
+    "engine", "charge", "switched", "ensemble", "trade_off", "verdicts", "figures", "page",
 )  # fmt: skip
 
 

@@ -92,12 +92,13 @@ def make(results: Path, step: str, key: str, write: Callable[[Path], None], agai
             remove(temporary)
 
 
-def found_value(folder: Path, name: str) -> float:
-    """Return a value that a step found, from `found.json` of its artefact."""
+def found_value(folder: Path, name: str) -> Any:
+    """Return a value that a step found, from `found.json` of its artefact: a number, or a record as plain data."""
     try:
-        return float(json.loads((folder / "found.json").read_text())[name])
+        value = json.loads((folder / "found.json").read_text())[name]
     except (OSError, KeyError) as error:
         raise StoreError(f"{folder}: found no {name!r} ({error})") from error
+    return value if isinstance(value, dict | list) else float(value)
 
 
 def write_receipt(

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import shlex
 import sys
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from pathlib import Path
 from typing import Any
 
@@ -15,16 +15,23 @@ from pipeline.errors import UserError
 class Workflow:
     """One plan as Snakemake sees it: receipts are the files, chunks the wildcard."""
 
-    def __init__(self, config: Mapping[str, Any], results: Path = store.RESULTS, tidy: bool = True) -> None:
+    def __init__(
+        self,
+        config: Mapping[str, Any],
+        results: Path = store.RESULTS,
+        tidy: bool = True,
+        asked: Collection[str] = (),
+    ) -> None:
         """Open the plan that `config` names, or make it from its overrides.
 
         Arguments
         ---------
         config : Snakemake's `--config`: `plan=FILE`, or `overrides="..."`, or nothing for the default studies.
         tidy : delete receipts that the store no longer honours; not when another process runs the workflow.
+        asked : targets named on the command line; studies that none of them needs are not composed.
         """
         self.results = results
-        self.file = _plan_file(config, results)
+        self.file = _plan_file(config, results, asked)
         self.plan = planfile.load(self.file)
         if tidy:
             store.drop_broken_receipts(results, self.plan["chunks"])
@@ -36,6 +43,12 @@ class Workflow:
     def studies(self) -> list[str]:
         """Return the names of the plan's studies."""
         return sorted({run["study"] for run in self.plan["runs"]})
+
+    def requests(self) -> list[str]:
+        """Return the targets of the runs that `all` leaves out."""
+        cards = [run["configuration"]["study"] for run in self.plan["runs"]]
+        named = {target for card in cards for target in card.get("on_request", ())}
+        return sorted(named & set(self.plan["targets"]))
 
     def needs(self, chunk: str) -> list[str]:
         """Return the receipts that must be there before a chunk runs."""
@@ -63,10 +76,15 @@ class Workflow:
         return str(store.receipt(self.results, self.plan["chunks"][chunk]["step"], chunk))
 
 
-def open_workflow(config: Mapping[str, Any], tidy: bool = True) -> Workflow:
-    """Open the workflow; a person's mistake ends with one message and exit code 2, nothing written."""
+def open_workflow(config: Mapping[str, Any], settings: Any = None, tidy: bool = True) -> Workflow:
+    """Open the workflow; a person's mistake ends with one message and exit code 2, nothing written.
+
+    Arguments
+    ---------
+    settings : Snakemake's settings of the graph of jobs, for the targets that were asked for.
+    """
     try:
-        return Workflow(config, tidy=tidy)
+        return Workflow(config, tidy=tidy, asked={str(target) for target in getattr(settings, "targets", None) or ()})
     except UserError as error:
         print(f"error: {error}", file=sys.stderr)
         sys.exit(2)
@@ -77,7 +95,7 @@ def forced(rule: str, settings: Any) -> bool:
     return bool(settings.forceall) or rule in {str(name) for name in settings.forcerun}
 
 
-def _plan_file(config: Mapping[str, Any], results: Path) -> Path:
+def _plan_file(config: Mapping[str, Any], results: Path, asked: Collection[str]) -> Path:
     unknown = set(config) - {"plan", "overrides"}
     if unknown:
         raise UserError(f'--config {", ".join(sorted(unknown))}: unknown; allowed are plan=FILE and overrides="..."')
@@ -88,8 +106,11 @@ def _plan_file(config: Mapping[str, Any], results: Path) -> Path:
     from pipeline.plan import make_plan
 
     overrides = config.get("overrides")
-    runs = expand(split_overrides(str(overrides))) if overrides else [[f"study={name}"] for name in options("study")]
-    return planfile.save(make_plan(runs), results)
+    if overrides:
+        return planfile.save(make_plan(expand(split_overrides(str(overrides))), asked), results)
+    studies = options("study")
+    wanted = [name for name in studies if name in asked] if asked and set(asked) <= set(studies) else studies
+    return planfile.save(make_plan([[f"study={name}"] for name in wanted], asked), results)
 
 
 def split_overrides(text: str) -> list[str]:

@@ -10,7 +10,7 @@ from pipeline.charge.simulate import BENCH, simulate
 
 CONF = Path(__file__).parents[2] / "conf"
 # A charge that needs more steps than this has gone wrong.
-ENGINE = EngineSettings(maximum_steps=2_000_000)
+ENGINE = EngineSettings(driver="edge", maximum_steps=2_000_000)
 
 
 def load(path):
@@ -36,6 +36,7 @@ def battery(name):
 SUITED = {
     "lead_acid_12v7ah": (0.3, 14.4, 0.8),
     "lead_acid_12v18ah": (0.3, 14.4, 0.8),
+    "lead_acid_generic": (0.3, 13.0, 0.8),
     "nicd_2s_600mah": (4.0, 3.55, 0.8),
     "lfp_8ah": (2.0, 3.42, 0.8),
 }

@@ -5,7 +5,7 @@ import pytest
 
 from pipeline.cell.circuit import compile_cell
 from pipeline.charge.energy import balance, pair_stores
-from pipeline.charge.records import Mode
+from pipeline.charge.records import EngineSettings, Mode
 from pipeline.charge.simulate import BENCH, run
 from tests.charge.samples import BATTERIES, ENGINE, MODES, SUITED, battery, charge, settings, suited_mode, values
 
@@ -15,6 +15,18 @@ from tests.charge.samples import BATTERIES, ENGINE, MODES, SUITED, battery, char
 def test_it_closes(cell, mode):
     result = charge(battery(cell), suited_mode(mode, cell), settings(SUITED[cell][2]))
     assert abs(values(result)["energy_balance_residual"]) < 1e-9
+    energy = dict(zip(result.energy["path"], result.energy["energy_j"], strict=True))
+    heat = sum(e for e, role in zip(result.energy["energy_j"], result.energy["role"], strict=True) if role == "loss")
+    assert heat == pytest.approx(energy["sensible"] + energy["ambient"], rel=1e-9, abs=1e-7)
+
+
+@pytest.mark.parametrize("cell", BATTERIES)
+@pytest.mark.parametrize("mode", MODES)
+def test_it_closes_over_strides(cell, mode):
+    averaged = EngineSettings(driver="averaged", maximum_steps=2_000_000)
+    sheet = suited_mode(mode, cell, stop_s=200.0)
+    result = charge(battery(cell), sheet, settings(SUITED[cell][2]), engine=averaged)
+    assert abs(values(result)["energy_balance_residual"]) < 1e-6
     energy = dict(zip(result.energy["path"], result.energy["energy_j"], strict=True))
     heat = sum(e for e, role in zip(result.energy["energy_j"], result.energy["role"], strict=True) if role == "loss")
     assert heat == pytest.approx(energy["sensible"] + energy["ambient"], rel=1e-9, abs=1e-7)

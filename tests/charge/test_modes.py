@@ -116,4 +116,4 @@ def test_records_and_checks_import_nothing_heavy():
 
 
 def test_warming_up_names_its_kernels():
-    assert "run_edge" in warm_up()
+    assert "run_program" in warm_up()

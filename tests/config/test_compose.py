@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from functools import cache
+
 import pytest
 
 from pipeline.config.compose import compose_tree, expand, options
@@ -77,6 +79,13 @@ def test_every_battery_composes(name: str) -> None:
     assert study.battery.name == name
 
 
+@cache
+def runs_of_studies() -> dict[str, list[str]]:
+    return {study: compose_tree([f"study={study}"]).tree["modes"]["run"] for study in options("study")}
+
+
 @pytest.mark.parametrize("name", options("modes"))
 def test_every_mode_composes(name: str) -> None:
-    assert study_from(compose_tree([f"modes.run=[cc_cv,{name}]" if name != "cc_cv" else "modes.run=[cc_cv]"]))
+    owner = next((study for study, run in runs_of_studies().items() if name in run), "solar_reflex")
+    run = f"cc_cv,{name}" if owner == "solar_reflex" and name != "cc_cv" else name
+    assert study_from(compose_tree([f"study={owner}", f"modes.run=[{run}]"]))

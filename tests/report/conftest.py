@@ -26,6 +26,7 @@ REFLEX = {
 PULSE = REFLEX | {"discharge_a": 0.0, "discharge_share": 0.0}
 STEADY = PULSE | {"charge_share": 1.0}
 MODES = {"cc_cv": ("CC-CV", STEADY), "cv_pulse": ("CV-pulse", PULSE), "cv_reflex": ("CV-Reflex", REFLEX)}
+CELLS = ("One battery", "Another battery")
 COMPARISONS = {"same_peak": "Same peak current", "same_mean": "Same mean current"}
 
 
@@ -173,8 +174,11 @@ def build(
             factor = 1.0 if comparison == "same_peak" else 1 / mean
             charge(folder, knobs, factor, stop_s, windows, supply_limited_s)
             inputs[f"charge/{comparison}/{mode}"] = folder
+            folder = root / "second_charge" / comparison / mode
+            charge(folder, knobs, 0.8 * factor, stop_s, windows, supply_limited_s)
+            inputs[f"second_charge/{comparison}/{mode}"] = folder
     labels = {mode: ModeLabel(MODES[mode][0], MODES[mode][1]) for mode in modes}
-    return ReportData(inputs, labels, COMPARISONS, {"system": SYSTEM, "algorithm": ALGORITHM})
+    return ReportData(inputs, labels, COMPARISONS, {"system": SYSTEM, "algorithm": ALGORITHM}, CELLS)
 
 
 VARIANTS = {

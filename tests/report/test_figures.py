@@ -48,7 +48,7 @@ def units_stand_on_the_axes(name, card, found) -> None:
 def test_every_figure_is_the_same_bytes_twice(name, card, whole, tmp_path):
     for folder in ("first", "second"):
         (tmp_path / folder).mkdir()
-    fresh = ReportData(whole.inputs, whole.modes, whole.comparisons, whole.settings)
+    fresh = ReportData(whole.inputs, whole.modes, whole.comparisons, whole.settings, whole.cells)
     first = draw(name, card, whole, tmp_path / "first")
     second = draw(name, card, fresh, tmp_path / "second")
     assert [path.name for path in first] == [f"{name}.svg", f"{name}.png"]
@@ -65,7 +65,11 @@ def test_every_drawing_module_is_drawn_by_a_card(request):
 
     import pipeline.report.figures as figures
 
-    modules = {path.stem for path in Path(figures.__path__[0]).glob("*.py")} - {"__init__", "circuit_parts"}
+    modules = {path.stem for path in Path(figures.__path__[0]).glob("*.py")} - {
+        "__init__",
+        "circuit_parts",
+        "function_parts",
+    }
     assert modules == set(DRAWINGS)
 
 

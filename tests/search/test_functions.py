@@ -14,10 +14,18 @@ _SWARM = {
     "kind": "swarm", "title": "swarm", "particles": 30, "iterations": 150, "replicates": 3, "c1": 1.5, "c2": 1.5,
     "w": 0.7, "velocity_limit": 0.5, "position_limit": "clamp",
 }  # fmt: skip
+_CUCKOO = {"kind": "cuckoo", "title": "cuckoo", "nests": 15, "generations": 400, "replicates": 3}
+_POPULATION = {"title": "baseline", "population": 30, "generations": 100, "replicates": 2}
 SEARCHES = {
     "swarm, uniform": {**_SWARM, "rand": "uniform"},
     "swarm, logistic": {**_SWARM, "rand": "logistic"},
     "swarm, arcsine": {**_SWARM, "rand": "arcsine"},
+    "cuckoo": _CUCKOO,
+    "cuckoo, inertia": {**_CUCKOO, "inertia": 0.9, "inertia_end": 0.4},
+    "cuckoo, integral": {**_CUCKOO, "ki": 0.05},
+    "differential evolution": {**_POPULATION, "kind": "differential_evolution"},
+    "genetic": {**_POPULATION, "kind": "genetic", "generations": 150},
+    "particle swarm": {**_POPULATION, "kind": "particle_swarm", "generations": 60},
     "sweep": {"kind": "sweep", "title": "sweep", "points": 101, "refinements": 4, "replicates": 2},
 }
 FUNCTIONS = {
@@ -27,6 +35,7 @@ FUNCTIONS = {
     "ackley": 1e-2,
     "griewank": 0.03,
     "schwefel_222": 1e-2,
+    "schwefel_12": 1e-2,
 }
 
 
@@ -42,6 +51,8 @@ def test_every_search_finds_the_minimum_of_every_function(search, function):
     assert isinstance(history, History)
     assert np.median(history.best_value()) < FUNCTIONS[function]
     assert np.all(np.diff(history.value, axis=1) <= 0.0)
+    assert np.all(np.diff(history.evaluations, axis=1) >= 0)
+    assert np.all(np.abs(history.position) <= benchmark.half_width)
     np.testing.assert_array_equal(replicated(shifted(benchmark, offset), settings, 5).position, history.position)
 
 
@@ -73,6 +84,7 @@ def test_values_at_known_points():
         "rosenbrock": rosen(point[0]),
         "griewank": 5.25 / 4000 - np.cos(1.0) * np.cos(2.0 / np.sqrt(2)) * np.cos(-0.5 / np.sqrt(3)) + 1,
         "schwefel_222": 3.5 + 1.0,
+        "schwefel_12": 1.0**2 + 3.0**2 + 2.5**2,
         "ackley": -20 * np.exp(-0.2 * np.sqrt(5.25 / 3)) - np.exp((1 + 1 - 1) / 3) + 20 + np.e,
     }
     assert set(expected) == set(BENCHMARKS)

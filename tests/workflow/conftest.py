@@ -68,8 +68,8 @@ def rules(printed: str) -> Counter[str]:
     return Counter({name: count for name, count in found.items() if name not in ("all", "job")})
 
 
-def copy_project(folder: Path) -> Project:
-    """Copy what a run needs; two modes, three figures, and every charge stopped after a few minutes."""
+def copy_parts(folder: Path) -> None:
+    """Copy what a run needs, as it is."""
     folder.mkdir(parents=True)
     for part in PARTS:
         source = ROOT / part
@@ -77,8 +77,16 @@ def copy_project(folder: Path) -> Project:
             shutil.copytree(source, folder / part, ignore=shutil.ignore_patterns("__pycache__"))
         else:
             shutil.copy2(source, folder / part)
+
+
+def copy_project(folder: Path) -> Project:
+    """Copy what a run needs; one study, two modes, three figures, and every charge stopped after a few minutes."""
+    copy_parts(folder)
     for mode in (folder / "conf" / "modes").glob("*.yaml"):
         mode.write_text(re.sub(r"elapsed_s: [\d.]+", "elapsed_s: 100", mode.read_text()))
+    for other in (folder / "conf" / "study").glob("*.yaml"):
+        if other.stem != "solar_reflex":
+            other.unlink()
     study = folder / "conf" / "study" / "solar_reflex.yaml"
     study.write_text(re.sub(r"samples: \d+", "samples: 1", study.read_text()).replace("cv_pulse, ", ""))
     figures = folder / "conf" / "report" / "solar_reflex.yaml"

@@ -65,3 +65,20 @@ rule charge_ensemble:
         "Charges over the ranges of estimated parameters: {wildcards.chunk}"
     shell:
         flow.command("ensemble")
+
+
+rule weigh_time_against_temperature:
+    input:
+        lambda wildcards: flow.needs(wildcards.chunk),
+    output:
+        flow.receipt("trade_off"),
+    log:
+        flow.log("trade_off"),
+    benchmark:
+        flow.benchmark("trade_off")
+    params:
+        again=again("weigh_time_against_temperature"),
+    message:
+        "Charge time against peak temperature: {wildcards.chunk}"
+    shell:
+        flow.command("trade_off")

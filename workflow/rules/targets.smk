@@ -14,6 +14,21 @@ rule search:
         flow.target("search"),
 
 
+rule network:
+    input:
+        flow.target("network"),
+
+
+rule staging:
+    input:
+        flow.target("staging"),
+
+
+rule functions:
+    input:
+        flow.target("functions"),
+
+
 rule charges:
     input:
         flow.target("charges"),
@@ -29,7 +44,7 @@ rule report:
         flow.target("report"),
 
 
-for study in flow.studies():
+for study in [*flow.studies(), *flow.requests()]:
 
     rule:
         name:

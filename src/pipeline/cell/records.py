@@ -158,9 +158,10 @@ class Battery(Record):
 
     @property
     def fills(self) -> bool:
-        """Tell whether charging reaches SOC 1 in finite time: neither acceptance nor potential has a pole there."""
-        curve = self.open_circuit_voltage_v
-        return self.acceptance is None and not (isinstance(curve, Logarithm) and curve.depth_offset == 0.0)
+        """Tell whether a held voltage charges it to SOC 1 in finite time: no part of it has a pole there."""
+        curves = (self.open_circuit_voltage_v, *(pair.resistance_ohm for pair in self.pairs.values()))
+        pole = any(isinstance(curve, Logarithm | Inverse) and curve.depth_offset == 0.0 for curve in curves)
+        return self.acceptance is None and not pole
 
     @property
     def capacity_in_use_ah(self) -> float:

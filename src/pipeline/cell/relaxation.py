@@ -22,8 +22,7 @@ LAGRANGE = np.linalg.inv(np.vander(NODES, increasing=True))
 # Integrals of the basis functions from 0 to each node: the matrix of Radau IIA; its last row are the weights.
 RADAU = (NODES[:, None] ** np.arange(1, 4) / np.arange(1, 4)) @ LAGRANGE
 # The same with the basis function first and a fourth moment, the start, where nothing has passed yet.
-PASSED = np.hstack([RADAU, np.zeros((3, 1))])
-PASSED[:, :3] = RADAU.T
+PASSED = np.hstack([RADAU.T, np.zeros((3, 1))])
 # Basis functions extrapolated to the start of the step.
 AT_START = LAGRANGE[0].copy()
 _FACTORIAL = np.array([1.0, 1.0, 2.0])

@@ -8,12 +8,12 @@ from pipeline.cell.records import Battery
 from pipeline.cell.resting import resting_voltage_v
 from pipeline.charge.protocol import Resolver, parameters
 from pipeline.charge.records import ChargeSettings, Mode, Phase
-from pipeline.charge.waveforms import ConstantCurrent, ConstantVoltage, Staged, Until, Waveform
+from pipeline.charge.sampled_checks import MOST_SAMPLES, check_sampled, check_watched
+from pipeline.charge.waveforms import ConstantCurrent, ConstantVoltage, Sampled, Staged, Until, Waveform
 from pipeline.errors import UserError, best_matches
 from pipeline.record import Number, Reference
 
 SHORTEST_SEGMENT_S = 1e-6
-MOST_SAMPLES = 20_000_000
 MOST_COURSES = 100_000
 
 
@@ -25,11 +25,15 @@ def check(battery: Battery, mode: Mode, settings: ChargeSettings) -> None:
     UserError : with the key path below the mode, the value and what is allowed.
     """
     resolver = Resolver(mode, battery.capacity_in_use_ah)
+    stop = _numbers(resolver.optional(mode.stop, "stop"))
     for name, phase in mode.phases.items():
         _check_phase(resolver, f"phases.{name}", phase, battery, settings)
-    stop = _numbers(resolver.optional(mode.stop, "stop"))
+        if isinstance(phase.waveform, Sampled):
+            values = _numbers(parameters(resolver, phase.waveform, f"phases.{name}"))
+            check_sampled(f"phases.{name}", values, stop.get("elapsed_s", 0.0))
     _check_until("stop", stop, battery, settings)
     _check_ends(mode, stop, settings)
+    check_watched(mode)
     unused = sorted(set(mode.knobs) - resolver.used)
     if unused:
         wanted = _known_names(mode)
@@ -40,7 +44,8 @@ def _check_phase(resolver: Resolver, where: str, phase: Phase, battery: Battery,
     waveform = phase.waveform
     values = _numbers(parameters(resolver, waveform, where))
     for name, value in values.items():
-        _check_value(f"{where}.{name}", name.split(".")[0], value)
+        if value != waveform.optional.get(name):
+            _check_value(f"{where}.{name}", name.split(".")[0], value)
     if isinstance(waveform, Staged):
         _check_stages(where, waveform)
     if waveform.periodic:

@@ -1,11 +1,13 @@
-"""Two ways to compare modes: as they are, or with the same mean current."""
+"""Ways to compare modes: as they are, with the same mean current, with some of their stops alone."""
 
 from __future__ import annotations
+
+from collections.abc import Collection
 
 from pipeline.cell.records import Battery
 from pipeline.charge.protocol import C_RATE, Resolver
 from pipeline.charge.records import Mode
-from pipeline.charge.waveforms import Reflex, Waveform
+from pipeline.charge.waveforms import Reflex, Until, Waveform
 from pipeline.errors import UserError
 from pipeline.record import Reference
 
@@ -58,8 +60,20 @@ def _charge_current(mode: Mode, waveform: Waveform, where: str, reference_curren
     return (reference_current_a + discharged) / number("charge_share")
 
 
-def compared(mode: Mode, reference: Mode | None, battery: Battery) -> Mode:
-    """Return a mode as it is run in a comparison: unchanged, or with the mean current of a reference mode."""
+def with_stops(mode: Mode, stops: Collection[str] | None) -> Mode:
+    """Return a mode that heeds only some of its stops, always the time at which it is given up; None for all of them.
+
+    What ends a phase stays: a mode without an end that is not its own would be another mode.
+    """
+    if stops is None:
+        return mode
+    kept = {name: value for name, value in mode.stop if name in {*stops, "elapsed_s"}}
+    return mode.model_copy(update={"stop": Until(**kept)})
+
+
+def compared(mode: Mode, reference: Mode | None, battery: Battery, stops: Collection[str] | None = None) -> Mode:
+    """Return a mode as it is run in a comparison: unchanged, with the mean current of a reference, with some stops."""
+    mode = with_stops(mode, stops)
     if reference is None:
         return mode
     return at_same_mean(mode, constant_current_a(reference, battery))

@@ -10,15 +10,22 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pipeline.cell.circuit import ZERO_CELSIUS_K
-from pipeline.charge.protocol import Protocol
+from pipeline.charge.protocol import Course, Protocol
+from pipeline.charge.segment import FIRST_WATCHED, PLACES, STAGE_EDGE, WATCHED
+from pipeline.charge.waveforms import Sampled
 
 MOST_SEGMENTS = 3
 # Where a battery counts as full: the kernels keep 1 - SOC above zero.
 _FULL = 1e-12
+# Frequency above which strides over periods pay.
+AVERAGED_ABOVE_HZ = 2.0
 
 
 class Program(NamedTuple):
-    """Arrays of a protocol; voltages are of one cell, SOC stands as 1 - SOC, what is not asked for is out of reach."""
+    """Arrays of a protocol; voltages are of one cell, SOC stands as 1 - SOC, what is not asked for is out of reach.
+
+    The current of a course that is `sampled` is written anew as each of its periods begins.
+    """
 
     segments: NDArray[np.int64]
     length_s: NDArray[np.float64]
@@ -28,11 +35,19 @@ class Program(NamedTuple):
     limits: NDArray[np.float64]
     elapsed_s: NDArray[np.float64]
     group: NDArray[np.int64]
+    sampled: NDArray[np.bool_]
+    averaged: NDArray[np.bool_]
     stop_elapsed_s: float
 
 
-def compile_program(protocol: Protocol, cells: int) -> Program:
-    """Return the arrays of a protocol for a number of cells in series."""
+def compile_program(protocol: Protocol, cells: int, driver: str) -> Program:
+    """Return the arrays of a protocol.
+
+    Arguments
+    ---------
+    cells : cells in series.
+    driver : `edge`, `averaged` or `auto`; only what repeats is averaged.
+    """
     count = len(protocol.courses)
     program = Program(
         np.zeros(count, dtype=np.int64),
@@ -40,9 +55,11 @@ def compile_program(protocol: Protocol, cells: int) -> Program:
         np.zeros((count, MOST_SEGMENTS)),
         np.zeros((count, MOST_SEGMENTS), dtype=np.bool_),
         np.full(count, np.inf),
-        np.zeros((count, 9)),
+        np.zeros((count, PLACES)),
         np.full(count, np.inf),
         np.zeros(count, dtype=np.int64),
+        np.array([isinstance(course.waveform, Sampled) for course in protocol.courses]),
+        np.array([_averages(course, driver) for course in protocol.courses]),
         protocol.stop.get("elapsed_s", math.inf),
     )
     for row, course in enumerate(protocol.courses):
@@ -55,10 +72,22 @@ def compile_program(protocol: Protocol, cells: int) -> Program:
             program.limit_v[row] = course.limit_v / cells
         program.limits[row, :4] = _limits(course.until, cells)
         program.limits[row, 4:8] = _limits(protocol.stop, cells)
-        program.limits[row, 8] = -1.0 if course.edge_soc is None else 1.0 - course.edge_soc
+        program.limits[row, STAGE_EDGE] = -1.0 if course.edge_soc is None else 1.0 - course.edge_soc
+        watched = [*_watched(course.until, cells), *_watched(protocol.stop, cells)]
+        program.limits[row, FIRST_WATCHED:] = watched
+        program.limits[row, WATCHED] = math.isfinite(min(watched))
+        # What is watched is looked at in every period.
+        program.averaged[row] &= not math.isfinite(min(watched))
         program.elapsed_s[row] = course.until.get("elapsed_s", math.inf)
         program.group[row] = course.group
     return program
+
+
+def _averages(course: Course, driver: str) -> bool:
+    if driver == "edge" or not course.waveform.periodic:
+        return False
+    period_s = sum(segment.length_s for segment in course.segments)
+    return math.isfinite(period_s) and (driver == "averaged" or period_s * AVERAGED_ABOVE_HZ < 1.0)
 
 
 def _limits(until: Mapping[str, float], cells: int) -> tuple[float, float, float, float]:
@@ -68,3 +97,7 @@ def _limits(until: Mapping[str, float], cells: int) -> tuple[float, float, float
         until.get("current_a", -math.inf),
         until.get("temperature_c", math.inf) + ZERO_CELSIUS_K,
     )
+
+
+def _watched(until: Mapping[str, float], cells: int) -> tuple[float, float]:
+    return until.get("voltage_drop_v", math.inf) / cells, until.get("temperature_rate_k_s", math.inf)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 from pipeline.charge.records import Mode, Phase
@@ -12,12 +12,15 @@ from pipeline.errors import UserError, best_matches
 from pipeline.record import Number, Record, Reference
 
 C_RATE = "_c_rate"
-UNTIL = ("elapsed_s", "soc", "voltage_v", "current_a", "temperature_c")
+UNTIL = ("elapsed_s", "soc", "voltage_v", "current_a", "temperature_c", "voltage_drop_v", "temperature_rate_k_s")
 
 
 @dataclass(frozen=True)
 class Course:
-    """A phase in numbers; `group` counts the phases of the sheet as they are run, a stage each being a course."""
+    """A phase in numbers; `group` counts the phases of the sheet as they are run, a stage each being a course.
+
+    `values` are the waveform's parameters.
+    """
 
     name: str
     group: int
@@ -26,6 +29,7 @@ class Course:
     limit_v: float | None
     until: Mapping[str, float]
     edge_soc: float | None = None
+    values: Mapping[str, float] = field(default_factory=dict)
 
 
 @dataclass(frozen=True)
@@ -43,6 +47,10 @@ class Resolver:
         self.knobs = mode.knobs
         self.capacity_ah = capacity_ah
         self.used: set[str] = set()
+
+    def holds(self, name: str) -> bool:
+        """Tell whether a parameter has a knob of its own name."""
+        return name in self.knobs or name.removesuffix("_a") + C_RATE in self.knobs
 
     def number(self, value: Any, name: str, where: str) -> Number | None:
         """Return the number behind a parameter; a reference that is still open comes back as it is.
@@ -80,10 +88,12 @@ def parameters(resolver: Resolver, waveform: Waveform, where: str) -> dict[str, 
     """Return a waveform's parameters as numbers; those of a list are called `name.0`, `name.1`, ..."""
     found: dict[str, Number | None] = {}
     for name, value in waveform:
-        if name == "soc_edges":
+        if name in waveform.no_parameters:
             continue
         if isinstance(value, list):
             found |= {f"{name}.{n}": resolver.number(v, name, f"{where}.{name}.{n}") for n, v in enumerate(value)}
+        elif value is None and name in waveform.optional and not resolver.holds(name):
+            found[name] = waveform.optional[name]
         else:
             found[name] = resolver.number(value, name, f"{where}.{name}")
     return {name: value for name, value in found.items() if value is not None}
@@ -109,7 +119,7 @@ def resolve(mode: Mode, capacity_ah: float, fills: bool = False) -> Protocol:
     for turn in range(mode.repeat):
         for place, group in enumerate(once):
             number = turn * len(once) + place
-            courses += [Course(c.name, number, c.waveform, c.segments, c.limit_v, c.until, c.edge_soc) for c in group]
+            courses += [replace(course, group=number) for course in group]
     stop = _closed(resolver.optional(mode.stop, "stop"), "stop")
     return Protocol(tuple(courses), {"soc": 1.0} | stop if fills else stop)
 
@@ -123,9 +133,9 @@ def _courses(resolver: Resolver, name: str, phase: Phase) -> list[Course]:
         limit = values["voltage_v"] if limit is None else min(limit, values["voltage_v"])
     until = _closed(resolver.optional(phase.until, f"{where}.until"), f"{where}.until")
     if not isinstance(phase.waveform, Staged):
-        return [Course(name, 0, phase.waveform, segments, limit, until)]
+        return [Course(name, 0, phase.waveform, segments, limit, until, values=values)]
     return [
-        Course(f"{name} {n + 1}", 0, phase.waveform, (segment,), limit, until, edge)
+        Course(f"{name} {n + 1}", 0, phase.waveform, (segment,), limit, until, edge, values)
         for n, (segment, edge) in enumerate(zip(segments, phase.waveform.soc_edges, strict=True))
     ]
 

@@ -45,7 +45,9 @@ class Phase(Record):
     @model_serializer(mode="wrap")
     def _as_written(self, handler: SerializerFunctionWrapHandler) -> dict[str, Any]:
         names = {kind: name for name, kind in WAVEFORMS.items()}
-        written: dict[str, Any] = {names[type(self.waveform)]: self.waveform.model_dump(exclude_none=True)}
+        written: dict[str, Any] = {
+            names[type(self.waveform)]: self.waveform.model_dump(mode="json", by_alias=True, exclude_none=True)
+        }
         limit, until = self.limit.model_dump(exclude_none=True), self.until.model_dump(exclude_none=True)
         return written | ({"limit": limit} if limit else {}) | ({"until": until} if until else {})
 
@@ -94,7 +96,9 @@ class ChargeSettings(Record):
 class EngineSettings(Record):
     """How the engine computes."""
 
-    driver: Literal["auto", "edge"] = Field("auto", description="auto takes the one that suits the mode")
+    driver: Literal["auto", "edge", "averaged"] = Field(
+        "auto", description="from edge to edge, or strides over many periods; auto: strides above 2 Hz"
+    )
     tolerance: float = Field(1e-6, gt=1e-13, le=1e-3, description="error of a step relative to current and voltage [1]")
     maximum_step_s: float = Field(60.0, gt=0, description="longest step [s]")
     maximum_steps: int = Field(200_000_000, ge=1, description="steps after which a charge is given up")

@@ -29,14 +29,19 @@ from pipeline.charge.state import (
     X,
 )
 from pipeline.charge.step import integrate
+from pipeline.charge.watching import watched_guard
 from pipeline.jit import inlined, kernel
 
-# What can happen inside a step. The first five follow the order of the limits of a phase, the next those of a stop.
-ELAPSED, SOC, VOLTAGE, CURRENT, WARM = range(5)
-LIMITS = 5
-EDGE = 10
-TO_CURRENT, TO_VOLTAGE, TO_POWER, TO_BYPASS, TO_PAIR = range(11, 16)
+# What can happen inside a step. The first seven follow the order of the limits of a phase, the next those of a stop.
+ELAPSED, SOC, VOLTAGE, CURRENT, WARM, DROP, RATE = range(7)
+LIMITS = 7
+EDGE = 14
+TO_CURRENT, TO_VOLTAGE, TO_POWER, TO_BYPASS, TO_PAIR = range(15, 20)
 NOTHING, FAILED = -1, -2
+
+# Places in a row of limits: the edge of a stage, whether drop and rate are watched at all, then these two of the
+# phase and of the stop. A phase without them pays one comparison.
+STAGE_EDGE, WATCHED, FIRST_WATCHED, PLACES = 8, 9, 10, 14
 
 _NEVER = 1e300
 _CHATTER = 1e-9
@@ -123,6 +128,7 @@ def guard_at(cell: Cell, run: Run, demand: Demand, limits: NDArray[np.float64], 
     Arguments
     ---------
     limits : SOC as 1 - SOC, voltage, current, temperature of the phase, the same of the stop, then the stage's edge.
+        What is watched beside these is not looked at here.
     """
     at, control = run.at, run.control
     total, terminal = at[TOTAL, j], at[TERMINAL_V, j]
@@ -140,8 +146,8 @@ def guard_at(cell: Cell, run: Run, demand: Demand, limits: NDArray[np.float64], 
         gap = limits[base + 3] - at[T, j]
         if gap < least:
             least, what = gap, LIMITS * of + WARM
-    if at[X, j] - limits[8] < least:
-        least, what = at[X, j] - limits[8], EDGE
+    if at[X, j] - limits[STAGE_EDGE] < least:
+        least, what = at[X, j] - limits[STAGE_EDGE], EDGE
     if demand.charging:
         if control != CURRENT_CONTROL:
             gap = demand.current_a * (1.0 + _CHATTER) - total
@@ -170,8 +176,9 @@ def clear_at_start(run: Run, limits: NDArray[np.float64]) -> bool:
     x, v, t = run.at[X, START], run.at[TERMINAL_V, START], run.at[T, START]
     return bool(
         run.control == CURRENT_CONTROL
+        and limits[WATCHED] == 0.0
         and v < min(limits[1], limits[5]) * (1.0 - _ROUNDING)
-        and x > max(limits[0], max(limits[4], limits[8]))
+        and x > max(limits[0], max(limits[4], limits[STAGE_EDGE]))
         and t < min(limits[3], limits[7])
     )
 
@@ -179,7 +186,7 @@ def clear_at_start(run: Run, limits: NDArray[np.float64]) -> bool:
 @inlined
 def clear(cell: Cell, run: Run, demand: Demand, limits: NDArray[np.float64]) -> bool:
     """Tell whether a step under current control keeps clear of every guard: one look in place of three times twelve."""
-    if run.control != CURRENT_CONTROL or run.bypassed == 1:
+    if run.control != CURRENT_CONTROL or run.bypassed == 1 or limits[WATCHED] > 0.0:
         return False
     x, v, t, value = run.at[X], run.at[TERMINAL_V], run.at[T], run.value[cell.pairs]
     highest_v = max(v[0], max(v[1], v[2]))
@@ -190,7 +197,7 @@ def clear(cell: Cell, run: Run, demand: Demand, limits: NDArray[np.float64]) -> 
             return False
     return bool(
         highest_v <= allowed_v
-        and min(x[0], min(x[1], x[2])) >= max(limits[0], max(limits[4], limits[8]))
+        and min(x[0], min(x[1], x[2])) >= max(limits[0], max(limits[4], limits[STAGE_EDGE]))
         and max(t[0], max(t[1], t[2])) <= min(limits[3], limits[7])
         and (cell.acceptance == 0 or min(value[0], min(value[1], value[2])) >= 0.0)
     )
@@ -209,6 +216,34 @@ def guard(cell: Cell, run: Run, demand: Demand, limits: NDArray[np.float64]) -> 
         gap, kind = guard_at(cell, run, demand, limits, j)
         if gap < least:
             least, what = gap, kind
+    if limits[WATCHED] > 0.0:
+        for j in range(3):
+            gap, kind = watched_guard_at(cell, run, demand.charging, limits, j)
+            if gap < least:
+                least, what = gap, kind
+    return least, what
+
+
+@kernel
+def guard_at_start(cell: Cell, run: Run, demand: Demand, limits: NDArray[np.float64]) -> tuple[float, int]:
+    """Return the nearest guard at the start of a step."""
+    least, what = guard_at(cell, run, demand, limits, START)
+    if limits[WATCHED] > 0.0:
+        gap, kind = watched_guard_at(cell, run, demand.charging, limits, START)
+        if gap < least:
+            least, what = gap, kind
+    return least, what
+
+
+@kernel
+def watched_guard_at(cell: Cell, run: Run, charging: bool, limits: NDArray[np.float64], j: int) -> tuple[float, int]:
+    """Return how far moment j is from the nearest stop that is watched for, of the phase and of the charge."""
+    least, what = _NEVER, NOTHING
+    for of in range(2):
+        drop, rate = limits[FIRST_WATCHED + 2 * of], limits[FIRST_WATCHED + 2 * of + 1]
+        gap, falls = watched_guard(cell, run, charging, drop, rate, j)
+        if gap < least:
+            least, what = gap, LIMITS * of + (DROP if falls else RATE)
     return least, what
 
 
@@ -265,7 +300,7 @@ def locate(
     in `run`. Bisection by ratio where the secant does not close in.
     """
     low, high = 0.0, length_s
-    above, _ = guard_at(cell, run, demand, limits, START)
+    above, _ = guard_at_start(cell, run, demand, limits)
     above = max(above, 1e-300)
     below, what = guard(cell, run, demand, limits)
     trial, side = length_s, 0

@@ -11,15 +11,18 @@ from numpy.typing import NDArray
 
 from pipeline.cell.circuit import MOST_RELAXATIONS, ZERO_CELSIUS_K, Cell, compile_cell
 from pipeline.cell.records import Battery
-from pipeline.charge import edge
+from pipeline.charge import drive
 from pipeline.charge.checks import check
+from pipeline.charge.controller import Control, compile_control
 from pipeline.charge.energy import balance
+from pipeline.charge.period import Clock, new_clock
 from pipeline.charge.program import Program, compile_program
 from pipeline.charge.protocol import UNTIL, Protocol, resolve
 from pipeline.charge.record_keeping import PHASE_COLUMNS, SAMPLE_COLUMNS, SUMS, WAVEFORM_COLUMNS, Book
 from pipeline.charge.records import ChargeSettings, EngineSettings, Mode
 from pipeline.charge.segment import LIMITS
 from pipeline.charge.state import DEPTH, HYSTERESIS, PAIR_HEAT, TEMPERATURE, Run, new_run
+from pipeline.charge.stride import new_stride
 from pipeline.charge.summary import Quantity, summarise
 
 Columns = dict[str, Any]
@@ -93,7 +96,7 @@ def run(battery: Battery, mode: Mode, supply: Supply, settings: ChargeSettings, 
     check(battery, mode, settings)
     cell = compile_cell(battery)
     protocol = resolve(mode, battery.capacity_in_use_ah, battery.fills)
-    program = compile_program(protocol, battery.cells_in_series)
+    program = compile_program(protocol, battery.cells_in_series, engine.driver)
     state = new_run()
     start = state["state"].copy()
     start[DEPTH], start[TEMPERATURE] = 1.0 - settings.initial_soc, settings.ambient_c + ZERO_CELSIUS_K
@@ -101,21 +104,12 @@ def run(battery: Battery, mode: Mode, supply: Supply, settings: ChargeSettings, 
     state["state"][:] = start
     book = _book(program, settings, cell)
     book.peak_k[0] = start[TEMPERATURE]
-    status, end_s = edge.run_edge(
-        cell,
-        program,
-        np.ascontiguousarray(supply.time_s, dtype=np.float64),
-        np.ascontiguousarray(supply.power_w, dtype=np.float64),
-        state,
-        book,
-        float(start[TEMPERATURE]),
-        float(settings.sample_interval_s),
-        float(engine.tolerance),
-        float(engine.maximum_step_s),
-        int(engine.maximum_steps),
-    )
-    if status != edge.DONE:
-        problem = "no solution of the circuit" if status == edge.CIRCUIT_FAILED else "the steps are used up"
+    control = compile_control(protocol, battery.capacity_in_use_ah)
+    clock = new_clock(float(settings.sample_interval_s))
+    status = launch(cell, program, control, supply, state, book, clock, float(start[TEMPERATURE]), engine)
+    end_s = float(clock["time_s"])
+    if status != drive.DONE:
+        problem = "no solution of the circuit" if status == drive.CIRCUIT_FAILED else "the steps are used up"
         raise EngineError(
             f"{problem} at {end_s:.9g} s after {state['steps']} steps: SOC {1.0 - state['state'][DEPTH]:.9g}, "
             f"temperature {state['state'][TEMPERATURE] - ZERO_CELSIUS_K:.6g} degC"
@@ -123,16 +117,56 @@ def run(battery: Battery, mode: Mode, supply: Supply, settings: ChargeSettings, 
     return Outcome(cell, protocol, state, book, start, end_s)
 
 
+def launch(
+    cell: Cell,
+    program: Program,
+    control: Control,
+    supply: Supply,
+    state: Run,
+    book: Book,
+    clock: Clock,
+    ambient_k: float,
+    engine: EngineSettings,
+) -> int:
+    """Run a compiled program from a state; return how it went."""
+    return drive.run_program(
+        cell,
+        program,
+        control,
+        np.ascontiguousarray(supply.time_s, dtype=np.float64),
+        np.ascontiguousarray(supply.power_w, dtype=np.float64),
+        state,
+        book,
+        clock,
+        new_stride(),
+        new_clock(math.inf),
+        _scratch(),
+        ambient_k,
+        float(engine.tolerance),
+        float(engine.maximum_step_s),
+        int(engine.maximum_steps),
+    )
+
+
 def _book(program: Program, settings: ChargeSettings, cell: Cell) -> Book:
     marks = np.full((len(settings.soc_marks), 3), np.nan)
     marks[:, 0] = 1.0 - np.sort(np.array(settings.soc_marks, dtype=np.float64))
     windows = np.array([(w.start_s, w.start_s + w.length_s) for w in settings.windows], dtype=np.float64).reshape(-1, 2)
     rows = math.ceil(program.stop_elapsed_s / settings.sample_interval_s) + 3
+    return _new_book(rows, len(program.segments), _points(program, windows), marks, windows)
+
+
+def _scratch() -> Book:
+    """Return a book for the sums of single periods."""
+    return _new_book(0, 0, 0, np.zeros((0, 3)), np.zeros((0, 2)))
+
+
+def _new_book(samples: int, phases: int, points: int, marks: NDArray[np.float64], windows: NDArray[np.float64]) -> Book:
     gains = PAIR_HEAT + MOST_RELAXATIONS
     return Book(
-        samples=np.zeros((rows, SAMPLE_COLUMNS)),
-        phases=np.zeros((len(program.segments), PHASE_COLUMNS)),
-        waveform=np.zeros((_points(program, windows), WAVEFORM_COLUMNS)),
+        samples=np.zeros((samples, SAMPLE_COLUMNS)),
+        phases=np.zeros((phases, PHASE_COLUMNS)),
+        waveform=np.zeros((points, WAVEFORM_COLUMNS)),
         marks=marks,
         windows=windows,
         filled=np.zeros(4, dtype=np.int64),
@@ -166,6 +200,8 @@ def _reason(outcome: Outcome, row: int) -> str:
         "voltage_v": ("voltage", " V"),
         "current_a": ("current", " A"),
         "temperature_c": ("temperature", " degC"),
+        "voltage_drop_v": ("voltage below its peak by", " V"),
+        "temperature_rate_k_s": ("temperature rate", " K/s"),
     }[name]
     return f"{'stop: ' if code >= LIMITS else ''}{word} {limits[name]:g}{unit}"
 

@@ -87,6 +87,10 @@ RUN = np.dtype(
         ("steps", np.int64),
         ("edges", np.int64),
         ("changes", np.int64),
+        # Highest voltage of a cell since the current was last lowered, that current, and the net heat at the start.
+        ("peak_v", np.float64),
+        ("peak_a", np.float64),
+        ("start_heat_w", np.float64),
     ],
     align=True,
 )

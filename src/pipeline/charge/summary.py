@@ -68,6 +68,12 @@ def summarise(
         number("peak_temperature_c", peak_k - ZERO_CELSIUS_K, "degC", "highest battery temperature"),
         number("peak_temperature_rise_k", peak_k - start[TEMPERATURE], "K", "highest rise over the ambient"),
         number("end_temperature_c", end[TEMPERATURE] - ZERO_CELSIUS_K, "degC", "battery temperature at the end"),
+        number(
+            "peak_temperature_rate_k_s",
+            _peak_rate_k_s(outcome),
+            "K/s",
+            "highest rate of the battery temperature, over a sampling interval",
+        ),
         number("mean_current_a", _ratio(net_as, outcome.end_s), "A", "net charge put in over time"),
         number("time_at_voltage_limit_s", totals[VOLTAGE_LIMITED_S], "s", "time with the voltage held at its limit"),
         number("time_at_supply_limit_s", totals[SUPPLY_LIMITED_S], "s", "time with the supply at its limit"),
@@ -100,6 +106,13 @@ def _marks(outcome: Outcome, settings: ChargeSettings) -> list[Quantity]:
             ),
         ]
     return rows
+
+
+def _peak_rate_k_s(outcome: Outcome) -> float:
+    samples = outcome.book.samples[: outcome.book.filled[0]]
+    time = np.concatenate([[0.0], samples[:, 0]])
+    temperature = np.concatenate([[outcome.start[TEMPERATURE]], samples[:, 8]])
+    return float(np.max(np.diff(temperature) / np.diff(time))) if len(samples) else 0.0
 
 
 def _ratio(above: float, below: float) -> float:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from pipeline.cell.circuit import enthalpy
 from pipeline.cell.curves import value_and_slope
 from pipeline.cell.records import Battery, Pair, SideReaction, Thermal
-from pipeline.charge import edge
+from pipeline.charge import drive, period
 from pipeline.charge.records import ChargeSettings, EngineSettings, Mode
 from pipeline.charge.simulate import BENCH, simulate
 
@@ -32,4 +32,4 @@ _MODE = Mode.model_validate(
 def compile_kernels() -> list[str]:
     """Run a fraction of a second of a charge, which compiles everything it calls; return the kernels' names."""
     simulate(_BATTERY, _MODE, BENCH, ChargeSettings(initial_soc=0.5, ambient_c=25.0), EngineSettings())
-    return [kernel.__name__ for kernel in (edge.run_edge, enthalpy, value_and_slope)]
+    return [kernel.__name__ for kernel in (drive.run_program, period.run_periods, enthalpy, value_and_slope)]

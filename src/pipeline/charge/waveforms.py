@@ -11,7 +11,8 @@ from typing import ClassVar, NamedTuple
 
 from pydantic import Field
 
-from pipeline.record import Record
+from pipeline.grnn.charger_network import ChargerNetwork
+from pipeline.record import Record, Reference
 
 Value = float | str | None
 """A number, the name of a knob, or none for the knob of the parameter's own name."""
@@ -39,13 +40,18 @@ class Until(Record):
     voltage_v: Value = Field(None, description="terminal voltage reached from below [V]")
     current_a: Value = Field(None, description="current fallen to, while the voltage is held [A]")
     temperature_c: Value = Field(None, description="battery temperature reached [degC]")
+    voltage_drop_v: Value = Field(
+        None, description="terminal voltage fallen below its peak since the current was last lowered, -dV [V]"
+    )
+    temperature_rate_k_s: Value = Field(None, description="rate of the battery temperature reached, dT/dt [K/s]")
 
 
 class Waveform(Record):
     """The base of every waveform."""
 
-    # Parameters that default to something else than the knob of their name, and the held voltage's name if any.
+    # Parameters that need no knob of their name, with what they are without one; fields that are no parameters.
     optional: ClassVar[Mapping[str, float]] = {}
+    no_parameters: ClassVar[frozenset[str]] = frozenset()
     holds_voltage: ClassVar[bool] = False
     periodic: ClassVar[bool] = False
 
@@ -129,12 +135,55 @@ class Reflex(Waveform):
 class Staged(Waveform):
     """Constant currents, one for each window of SOC; over the last edge the phase is done."""
 
+    no_parameters: ClassVar[frozenset[str]] = frozenset({"soc_edges"})
+
     currents_a: list[Value] = Field(min_length=1, description="current of each stage [A]")
     soc_edges: list[float] = Field(min_length=1, description="state of charge at which each stage ends [1]")
 
     def segments(self, values: Mapping[str, float]) -> list[Segment]:
         """Return one endless segment a stage."""
         return [Segment(math.inf, values[f"currents_a.{n}"], True) for n in range(len(self.currents_a))]
+
+
+class Sampled(Waveform):
+    """A current that is decided anew at every sample of the battery's temperature, and applied one sample later.
+
+    The sensor reads the temperature with noise, rounded to steps; dT/dt is the difference of two readings a span apart,
+    or of the last two where no span is given: the unit delay of the paper.
+    """
+
+    optional: ClassVar[Mapping[str, float]] = {
+        "rate_span_s": 0.0,
+        "temperature_step_k": 0.0,
+        "temperature_noise_k": 0.0,
+        "noise_stream": 0.0,
+    }
+
+    sample_interval_s: Value = Field(None, description="time between samples, also the delay of the current [s]")
+    rate_span_s: Value = Field(None, description="span over which dT/dt is differenced; 0: one sample [s]")
+    temperature_step_k: Value = Field(None, description="step of the sensor's reading; 0: none [K]")
+    temperature_noise_k: Value = Field(None, description="standard deviation of the sensor's noise [K]")
+    noise_stream: Value = Field(None, description="seed of the noise [1]")
+
+    def segments(self, values: Mapping[str, float]) -> list[Segment]:
+        """Return the segment from one sample to the next; its current is decided as it begins."""
+        return [Segment(values["sample_interval_s"], 0.0, True)]
+
+
+class Controller(Sampled):
+    """The rate a network commands from temperature and dT/dt."""
+
+    no_parameters: ClassVar[frozenset[str]] = frozenset({"network"})
+
+    network: Reference | ChargerNetwork = Field(description="the network, or where it is found")
+
+
+class RateSwitch(Sampled):
+    """The plain rule: a fast current until dT/dt has once reached a rate, a trickle from then on."""
+
+    fast_a: Value = Field(None, description="current until then [A]")
+    trickle_a: Value = Field(None, description="current from then on [A]")
+    trip_rate_k_s: Value = Field(None, description="rate of the measured temperature that switches [K/s]")
 
 
 class Rest(Waveform):
@@ -151,5 +200,7 @@ WAVEFORMS: dict[str, type[Waveform]] = {
     "pulse": Pulse,
     "reflex": Reflex,
     "staged": Staged,
+    "controller": Controller,
+    "rate_switch": RateSwitch,
     "rest": Rest,
 }

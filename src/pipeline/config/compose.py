@@ -38,9 +38,10 @@ class Composed:
     def overridden(self, path: str) -> str | None:
         """Return the override that set a key path or one of its ancestors, or None."""
         for word in self.overrides:
-            key = word.split("=", 1)[0].lstrip("+~").split("@")[0]
+            group, _, package = word.split("=", 1)[0].lstrip("+~").partition("@")
+            key = package or group
             if path == key or path.startswith(key + "."):
-                if "=" in word and (CONF / key).is_dir() and path != key:
+                if "=" in word and (CONF / group).is_dir() and path != key:
                     continue
                 return word
         return None
@@ -130,7 +131,7 @@ def _compose(words: list[str]) -> dict[str, Any]:
         tree["hydra"] = hydra_part
         return tree  # type: ignore[no-any-return]
     except MissingConfigException as error:
-        raise _missing_option(error) from None
+        raise _missing_option(error, words) from None
     except (ConfigCompositionException, HydraException, OmegaConfBaseException, ValueError) as error:
         raise _refused(error, words) from None
     except yaml.YAMLError as error:
@@ -158,13 +159,13 @@ def _check_syntax(words: Iterable[str]) -> None:
             )
 
 
-def _missing_option(error: MissingConfigException) -> UserError:
+def _missing_option(error: MissingConfigException, words: Iterable[str]) -> UserError:
     missing = error.missing_cfg_file or ""
     group, _, option = missing.rpartition("/")
     if group and (CONF / group).is_dir():
-        return UserError(
-            f"override {group}={option}: no conf/{group}/{option}.yaml; {best_matches(option, options(group))}"
-        )
+        chosen = f"{group}={option}"
+        word = next((word for word in words if word.startswith(f"{group}@") and word.endswith(f"={option}")), chosen)
+        return UserError(f"override {word}: no conf/{group}/{option}.yaml; {best_matches(option, options(group))}")
     return UserError(f"no configuration {missing!r}: {str(error).splitlines()[0]}; groups: {', '.join(groups())}")
 
 
@@ -175,7 +176,8 @@ def _refused(error: Exception, words: Iterable[str]) -> UserError:
         parsed = parser.parse_override(word)
         if parsed.is_add() or parsed.is_delete() or f"'{parsed.key_or_group}'" not in str(error):
             continue
-        tree = _compose(_mode_words(()))
+        chosen = [other for other in words if other.startswith("study=") and other != word]
+        tree = _compose([*_mode_words(()), *chosen])
         keys = parsed.key_or_group.split(".")
         here: Any = tree
         for depth, key in enumerate(keys):

@@ -9,7 +9,9 @@ from pydantic import ValidationError
 
 from pipeline.charge.protocol import Resolver, parameters
 from pipeline.charge.records import Mode
+from pipeline.config import staged
 from pipeline.errors import UserError, best_matches
+from pipeline.grnn.records import LONG
 from pipeline.objective.records import Waveform
 from pipeline.record import Reference
 from pipeline.search.box import SearchSettings
@@ -56,6 +58,10 @@ def found_values(study: Study) -> dict[str, tuple[str, ...]]:
         found["search"] = tuple(study.search.variables)
         if study.design is not None and study.search.kind == TUNED:
             found["tuning"] = tuple(study.design.factors)
+    if study.network is not None:
+        found["network"] = (*study.network.selection.methods, LONG)
+    if study.staging is not None:
+        found["staging"] = staged.found_names(study)
     return found
 
 

@@ -4,8 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
-from pathlib import Path
-from typing import Any
+from typing import Any, Literal
 
 from pydantic import Field, ValidationError, field_validator
 
@@ -13,20 +12,27 @@ from pipeline.cell.records import Battery
 from pipeline.charge import checks as charge_checks
 from pipeline.charge.ensemble import EnsembleSettings
 from pipeline.charge.records import ChargeSettings, EngineSettings, Mode
-from pipeline.config import searching, switching
-from pipeline.config.compose import CONF, Composed, options
+from pipeline.charge.trade_off_records import TradeOff
+from pipeline.config import searching, staged, switching
+from pipeline.config.compose import Composed, options
 from pipeline.config.messages import explain
 from pipeline.config.sources import Source, attribute, leaves, split
 from pipeline.converter import checks as supply_checks
 from pipeline.converter.records import Load, PowerChain
 from pipeline.errors import UserError, best_matches
+from pipeline.grnn.records import NetworkStudy
 from pipeline.objective.records import ReflexFrequency
+from pipeline.objective.staging_records import Staging
 from pipeline.panel.records import Panel, PanelCurveSettings, Weather
 from pipeline.published import checks as published_checks
 from pipeline.published.names import found_quantities
+from pipeline.published.network_names import network_quantities
 from pipeline.published.records import Statement
+from pipeline.published.reference import reference_tables
 from pipeline.record import Record
 from pipeline.report.records import FigureCard
+from pipeline.search.function_names import names as function_names
+from pipeline.search.function_records import FunctionStudy
 from pipeline.search.records import ChaosSettings
 from pipeline.search.registry import AnySettings
 from pipeline.taguchi.records import Design
@@ -38,12 +44,15 @@ RESERVED = frozenset(
         "benchmarks",
         "charges",
         "figures",
+        "functions",
         "logs",
+        "network",
         "panel",
         "plan",
         "receipts",
         "report",
         "search",
+        "staging",
         "store",
         "tuning",
     }
@@ -58,6 +67,9 @@ class StudyCard(Record):
     question: str = Field(description="what the study asks, in a sentence")
     paper: str = Field(description="citation of the paper it follows")
     doi: str = Field(default="", description="the paper's DOI, where it has one")
+    on_request: dict[str, tuple[str, ...]] = Field(
+        default_factory=dict, description="target -> overrides of a run that is made only when the target is asked for"
+    )
 
     @field_validator("name")
     @classmethod
@@ -66,6 +78,19 @@ class StudyCard(Record):
             raise ValueError(f"{name!r} is taken; not allowed are {', '.join(sorted(RESERVED))}")
         return name
 
+    @field_validator("on_request")
+    @classmethod
+    def _targets_free(cls, on_request: dict[str, tuple[str, ...]]) -> dict[str, tuple[str, ...]]:
+        for target, overrides in on_request.items():
+            if target in RESERVED | set(options("study")) or not target.isidentifier():
+                raise ValueError(f"target {target!r} is taken or no plain name; take another")
+            if not overrides:
+                raise ValueError(f"target {target!r} has no overrides; it would be the study itself")
+        return on_request
+
+
+StopName = Literal["soc", "voltage_v", "current_a", "temperature_c", "voltage_drop_v", "temperature_rate_k_s"]
+
 
 class Comparison(Record):
     """How modes are made comparable."""
@@ -73,6 +98,9 @@ class Comparison(Record):
     title: str
     mean_current_of: str | None = Field(
         default=None, description="mode whose constant current every pulsed mode's mean is set to; none: as configured"
+    )
+    stops: tuple[StopName, ...] | None = Field(
+        default=None, description="the stops of the modes that count, beside the time; none: all of them"
     )
 
 
@@ -87,17 +115,23 @@ class Study(Record):
     converter: PowerChain | None = None
     load: Load | None = None
     battery: Battery
+    second_battery: Battery | None = Field(default=None, description="charged in the same way, to be held against it")
     modes: dict[str, Mode]
     run: tuple[str, ...] = Field(min_length=1, description="names of the modes that are charged")
     comparisons: dict[str, Comparison] = Field(min_length=1)
     charge: ChargeSettings
     engine: EngineSettings = EngineSettings()
     ensemble: EnsembleSettings = EnsembleSettings(samples=0)
+    trade_off: TradeOff | None = Field(default=None, description="charge time against peak temperature")
     chaos: ChaosSettings | None = None
+    network: NetworkStudy | None = Field(default=None, description="the network that commands a charger")
     objective: ReflexFrequency | None = Field(default=None, description="what a search minimises")
     design: Design | None = Field(default=None, description="parameter design that tunes the search")
     search: AnySettings | None = Field(default=None, description="the search whose result others may ask for")
     oracle: AnySettings | None = Field(default=None, description="the sweep it is held against")
+    staging: Staging | None = Field(default=None, description="search for the currents of a staged charge")
+    calibrations: dict[str, Battery] = Field(default_factory=dict, description="batteries it is repeated on, by name")
+    functions: FunctionStudy | None = Field(default=None, description="searches on test functions")
     figures: dict[str, FigureCard] = Field(default_factory=dict)
     published: dict[str, Statement] = Field(default_factory=dict)
     sources: dict[str, Source] = Field(default_factory=dict)
@@ -106,7 +140,7 @@ class Study(Record):
 
     def parameter_sections(self) -> tuple[str, ...]:
         """Return the key paths below which every number is a physical parameter with a source."""
-        return sections(tuple(self.modes))
+        return sections(tuple(self.modes), tuple(self.calibrations))
 
     def parameters(self, section: str) -> Iterator[tuple[str, Any]]:
         """Yield key path and value of every parameter below a section."""
@@ -116,15 +150,16 @@ class Study(Record):
         return leaves(here, section)
 
 
-def sections(modes_in_use: tuple[str, ...]) -> tuple[str, ...]:
-    """Return the sections of the configuration that hold physical parameters, for the modes in use."""
+def sections(modes_in_use: tuple[str, ...], calibrations: tuple[str, ...] = ()) -> tuple[str, ...]:
+    """Return the sections of the configuration that hold physical parameters, for the modes and calibrations in use."""
     modes = tuple(f"modes.{name}" for name in modes_in_use)
     charge = ("charge.initial_soc", "charge.ambient_c")
     return (
-        *("panel", "weather", "converter", "load", "battery"),
+        *("panel", "weather", "converter", "load", "battery", "second_battery"),
         *modes,
         *charge,
-        *("objective", "design", "search", "oracle"),
+        *("objective", "design", "search", "oracle", "network", "trade_off", "functions"),
+        *("staging", *(f"calibrations.{name}" for name in calibrations)),
     )
 
 
@@ -136,7 +171,7 @@ def study_from(composed: Composed) -> Study:
     UserError : the first kind of mistake found, each instance with file, key path, value and what is allowed.
     """
     values, written = split(composed.tree)
-    values = _choose_modes(composed, values)
+    values = _choose_modes(composed, _without_twin(values))
     try:
         study = Study(
             **values,
@@ -145,7 +180,7 @@ def study_from(composed: Composed) -> Study:
         )
     except ValidationError as error:
         raise explain(error, values, "", composed.origin, Study) from None
-    taken = {path: source for path, source in written.items() if not _unused_mode(path, values)}
+    taken = {path: source for path, source in written.items() if not _unused(path, values)}
     sources = attribute(composed, values, taken, study.parameter_sections())
     study = study.model_copy(update={"sources": sources})
     _check_together(composed, study)
@@ -179,6 +214,10 @@ def _choose_modes(composed: Composed, values: dict[str, Any]) -> dict[str, Any]:
     searched = objective.get("mode") if isinstance(objective, Mapping) else None
     if isinstance(searched, str) and searched in known:
         wanted.append(searched)
+    staging = values.get("staging")
+    printed = staging.get("mode") if isinstance(staging, Mapping) else None
+    if isinstance(printed, str) and printed in known:
+        wanted.append(printed)
     for name in run:
         if name not in known:
             raise UserError(
@@ -190,9 +229,17 @@ def _choose_modes(composed: Composed, values: dict[str, Any]) -> dict[str, Any]:
     return values | {"modes": {name: known[name] for name in dict.fromkeys(wanted)}, "run": list(run)}
 
 
-def _unused_mode(path: str, values: Mapping[str, Any]) -> bool:
+def _without_twin(values: dict[str, Any]) -> dict[str, Any]:
+    """Leave out a second battery that is the first one: there is nothing to hold against it."""
+    twin = values.get("second_battery") == values.get("battery")
+    return {key: value for key, value in values.items() if key != "second_battery"} if twin else values
+
+
+def _unused(path: str, values: Mapping[str, Any]) -> bool:
+    """Tell whether a source belongs to a mode or a second battery that this run leaves out."""
     keys = path.split(".")
-    return keys[0] == "modes" and len(keys) > 1 and keys[1] not in values["modes"]
+    left_out = keys[0] == "modes" and len(keys) > 1 and keys[1] not in values["modes"]
+    return left_out or (keys[0] == "second_battery" and keys[0] not in values)
 
 
 def _check_together(composed: Composed, study: Study) -> None:
@@ -201,12 +248,15 @@ def _check_together(composed: Composed, study: Study) -> None:
         for name in study.modes:
             with _below(composed, f"modes.{name}"):
                 charge_checks.check(study.battery, study.modes[name], study.charge)
+                if study.second_battery is not None:
+                    _check_second(study.second_battery, study.modes[name], study.charge)
         if study.panel is not None:
             if study.weather is None or study.converter is None or study.load is None:
                 raise UserError("panel: a study with a panel needs weather, converter and load")
             power = study.panel.approximate_power_w(study.weather.irradiance_w_m2, study.weather.cell_temperature_c)
             voltage = study.panel.max_power_voltage_v * study.panel.panels_in_series
             supply_checks.check(power, voltage, study.converter, study.load)
+        staged.check(study)
         searching.check(study)
         switching.check(study)
         tables = {path.stem for path in reference_tables()}
@@ -220,17 +270,22 @@ def _check_together(composed: Composed, study: Study) -> None:
         published_checks.check(study.published, _makeable(study), marks, calibrated, numbers)
 
 
-def reference_tables() -> list[Path]:
-    """Return the CSV files of the papers' own tables, which statements read as `reference/<name>`."""
-    return sorted((CONF / "published" / "reference").glob("*.csv"))
+def _check_second(battery: Battery, mode: Mode, charge: ChargeSettings) -> None:
+    try:
+        charge_checks.check(battery, mode, charge)
+    except UserError as error:
+        raise UserError(f"{error}; meant is the second battery, {battery.name}") from None
 
 
 def _makeable(study: Study) -> set[str]:
     """Return every input the study could make, also with modes that this run leaves out."""
     supplied = {"panel", "supply"} if study.panel is not None else set()
     charges = {f"charge/{comparison}/{mode}" for comparison in study.comparisons for mode in options("modes")}
-    supplied |= {name for name in ("chaos", "objective") if getattr(study, name) is not None}
+    parts = ("chaos", "objective", "trade_off", "functions")
+    supplied |= {name for name in parts if getattr(study, name) is not None}
     supplied |= {"switched"} if study.converter is not None else set()
+    supplied |= set(network_quantities()) if study.network is not None else set()
+    supplied |= {"staging", "front"} if study.staging is not None else set()
     supplied |= set(searching.found_values(study)) | ({"tuning"} if study.design is not None else set())
     return supplied | charges | {f"reference/{path.stem}" for path in reference_tables()}
 
@@ -240,10 +295,14 @@ def _numbers(study: Study) -> dict[str, set[str]]:
     bins = () if study.chaos is None else study.chaos.bins
     factors = () if study.design is None else tuple(study.design.factors)
     numbers = found_quantities(bins, options("modes"), factors, searching.searches(study))
+    if study.functions is not None:
+        numbers["functions"] = function_names(study.functions)
     # Statements on the swarm are not checkable under another algorithm, which is no mistake in them.
     if study.search is not None and study.search.kind != "swarm":
         del numbers["search"]
-    return numbers
+    if study.trade_off is not None:
+        numbers["trade_off"] = study.trade_off.quantities()
+    return numbers | staged.quantities(study) | ({} if study.network is None else network_quantities())
 
 
 @contextmanager

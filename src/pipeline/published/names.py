@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable
 from typing import NamedTuple
 
-from pipeline import schemas, schemas_switched
+from pipeline import schemas, schemas_functions, schemas_network, schemas_staging, schemas_switched, schemas_trade_off
 from pipeline.tables import Table
 
 
@@ -26,6 +26,8 @@ SOURCES: dict[tuple[str, str], Source] = (
         ("charge", "trace"): Source("trace.bdf.parquet", schemas.CHARGE_TRACE, "Test Time / s"),
         ("charge", "phases"): Source("phases.parquet", schemas.CHARGE_PHASES),
         ("charge", "energy"): Source("energy.parquet", schemas.CHARGE_ENERGY),
+        ("trade_off", "trade_off"): Source("trade_off.parquet", schemas_trade_off.TRADE_OFF),
+        ("trade_off", "quantities"): Source("quantities.parquet", schemas.QUANTITIES),
         ("ensemble", "ensemble"): Source("ensemble.parquet", schemas.ENSEMBLE),
         ("chaos", "orbit"): Source("orbit.parquet", schemas.ORBIT),
         ("chaos", "bifurcation"): Source("bifurcation.parquet", schemas.ORBIT),
@@ -41,6 +43,16 @@ SOURCES: dict[tuple[str, str], Source] = (
         ("search", "statistics"): Source("statistics.parquet", schemas.SEARCH_STATISTICS),
         ("search", "comparison"): Source("comparison.parquet", schemas.SEARCH_COMPARISON),
         ("search", "quantities"): Source("quantities.parquet", schemas.QUANTITIES),
+        ("staging", "cases"): Source("cases.parquet", schemas_staging.STAGING_CASES),
+        ("staging", "currents"): Source("currents.parquet", schemas_staging.STAGING_CURRENTS),
+        ("staging", "quantities"): Source("quantities.parquet", schemas.QUANTITIES),
+        ("front", "front"): Source("front.parquet", schemas_staging.FRONT),
+        ("front", "calibrations"): Source("calibrations.parquet", schemas_staging.CALIBRATIONS),
+        ("front", "quantities"): Source("quantities.parquet", schemas.QUANTITIES),
+        ("functions", "statistics"): Source("statistics.parquet", schemas_functions.FUNCTION_STATISTICS),
+        ("functions", "tests"): Source("tests.parquet", schemas_functions.FUNCTION_TESTS),
+        ("functions", "ranks"): Source("ranks.parquet", schemas_functions.FUNCTION_RANKS),
+        ("functions", "quantities"): Source("quantities.parquet", schemas.QUANTITIES),
     }
     | {
         ("tuning", f"{name}_{part}"): Source(f"{name}.{part}.parquet", table)
@@ -52,6 +64,7 @@ SOURCES: dict[tuple[str, str], Source] = (
             ("anova", schemas.TUNING_ANOVA),
         )
     }
+    | {key: Source(*found) for key, found in schemas_network.ARTEFACTS.items()}
     | {key: Source(*found) for key, found in schemas_switched.ARTEFACTS.items()}
 )
 """(first word of the input's name, table) -> where it is; one line more serves another kind of artefact.
@@ -63,8 +76,8 @@ _OF_A_SEARCH = {"history": schemas.SEARCH_HISTORY, "best": schemas.SEARCH_BEST}
 
 _SUMMARY = (
     "end_time_s end_soc charge_in_ah charge_out_ah energy_in_wh energy_out_wh charge_efficiency energy_efficiency "
-    "peak_temperature_c peak_temperature_rise_k end_temperature_c mean_current_a time_at_voltage_limit_s "
-    "time_at_supply_limit_s energy_balance_residual steps edges control_changes"
+    "peak_temperature_c peak_temperature_rise_k end_temperature_c peak_temperature_rate_k_s mean_current_a "
+    "time_at_voltage_limit_s time_at_supply_limit_s energy_balance_residual steps edges control_changes"
 )
 
 

@@ -10,7 +10,7 @@ from pipeline.published.operands import AtTime, Difference, Operand, Product, Ra
 
 _UNITS = {
     "s": "s", "k": "K", "c": "degC", "a": "A", "v": "V", "w": "W", "j": "J", "ah": "Ah", "wh": "Wh", "hz": "Hz",
-    "mw2_s": "mW2 s", "nats": "nat",
+    "k_s": "K/s", "mw2_s": "mW2 s", "nats": "nat",
 }  # fmt: skip
 _UNIT_ENDING = re.compile(rf"_({'|'.join(_UNITS)})$")
 # Not watt but the inertia weight W, a factor of a parameter design.

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 from pathlib import Path
@@ -11,7 +11,15 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from pipeline import schemas, schemas_switched, tables
+from pipeline import (
+    schemas,
+    schemas_functions,
+    schemas_network,
+    schemas_staging,
+    schemas_switched,
+    schemas_trade_off,
+    tables,
+)
 
 Columns = dict[str, NDArray[Any]]
 
@@ -34,9 +42,22 @@ FILES: dict[str, tuple[str, tables.Table]] = {
     "contour": ("contour.parquet", schemas.FREQUENCY_CONTOUR),
     "factorial": ("factorial.parquet", schemas.TUNING_FACTORIAL),
     "agreement": ("agreement.parquet", schemas.TUNING_AGREEMENT),
+    "trade_off": ("trade_off.parquet", schemas_trade_off.TRADE_OFF),
     "statistics": ("statistics.parquet", schemas.SEARCH_STATISTICS),
     "comparison": ("comparison.parquet", schemas.SEARCH_COMPARISON),
     **schemas_switched.FILES,
+    **{table: found for (_, table), found in schemas_network.ARTEFACTS.items()},
+    "staging_runs": ("runs.parquet", schemas_staging.STAGING_RUNS),
+    "staging_course": ("course.parquet", schemas_staging.STAGING_COURSE),
+    "staging_cases": ("cases.parquet", schemas_staging.STAGING_CASES),
+    "staging_currents": ("currents.parquet", schemas_staging.STAGING_CURRENTS),
+    "front": ("front.parquet", schemas_staging.FRONT),
+    "calibrations": ("calibrations.parquet", schemas_staging.CALIBRATIONS),
+    "calibration_stages": ("calibration_stages.parquet", schemas_staging.CALIBRATION_STAGES),
+    "function_curves": ("curves.parquet", schemas_functions.FUNCTION_CURVES),
+    "function_statistics": ("statistics.parquet", schemas_functions.FUNCTION_STATISTICS),
+    "function_tests": ("tests.parquet", schemas_functions.FUNCTION_TESTS),
+    "function_ranks": ("ranks.parquet", schemas_functions.FUNCTION_RANKS),
 }
 """Table name -> file inside its input's folder, and its declaration."""
 
@@ -66,16 +87,18 @@ class ReportData:
     Arguments
     ---------
     inputs : input name -> folder: `panel`, `supply`, `chaos`, `objective`, `tuning`, `search`,
-        `charge/<comparison>/<mode>`.
+        `charge/<comparison>/<mode>`, `second_charge/<comparison>/<mode>`.
     modes : mode name -> label, in the order of the run; the order decides colours and line styles.
     comparisons : comparison name -> title, in the order of the run.
     settings : `system` and `algorithm`, as configured, where the figure reads them; found values put in.
+    cells : titles of the batteries, where there are two.
     """
 
     inputs: Mapping[str, Path]
     modes: Mapping[str, ModeLabel]
     comparisons: Mapping[str, str]
     settings: Mapping[str, Mapping[str, Any]] = field(default_factory=dict)
+    cells: Sequence[str] = ()
 
     @cached_property
     def _read(self) -> dict[tuple[str, str], Columns]:
@@ -98,6 +121,16 @@ class ReportData:
             file, declaration = _file(name)
             self._read[source, name] = tables.read(declaration, self.inputs[source] / file)
         return self._read[source, name]
+
+    def second(self) -> ReportData:
+        """Return the charges of the second battery as if they were the first's, and nothing else."""
+        prefix = "second_charge/"
+        found = {
+            f"charge/{name.removeprefix(prefix)}": folder
+            for name, folder in self.inputs.items()
+            if name.startswith(prefix)
+        }
+        return ReportData(found, self.modes, self.comparisons, {}, self.cells[1:])
 
     def holds(self, source: str, name: str) -> bool:
         """Tell whether an input of this run has a table."""

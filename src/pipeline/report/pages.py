@@ -51,6 +51,17 @@ class PageFigure:
 
 
 @dataclass(frozen=True)
+class PageSection:
+    """A section of its own, between what the paper shows and the numbers; `name` is its place on the page."""
+
+    name: str
+    title: str
+    text: str
+    tables: Sequence[ReportTable] = ()
+    figures: Sequence[PageFigure] = ()
+
+
+@dataclass(frozen=True)
 class PageContent:
     """Everything the page shows.
 
@@ -63,6 +74,7 @@ class PageContent:
     parameters : every parameter with its source.
     command : what to type to make all of it again.
     keys : artefact -> key.
+    sections : what has a section of its own.
     """
 
     title: str
@@ -74,6 +86,7 @@ class PageContent:
     parameters: Sequence[Parameter]
     command: str
     keys: Mapping[str, str]
+    sections: Sequence[PageSection] = ()
 
 
 def render(content: PageContent) -> str:

@@ -68,5 +68,7 @@ def parameters(entries: Iterable[Mapping[str, Any]]) -> list[Parameter]:
 
 def _readable(value: Any) -> Any:
     if isinstance(value, Mapping):
+        if "centres" in value:
+            return f"{len(value['centres'])} centres"
         return f"{value['value']} of {value['from']}"
     return value

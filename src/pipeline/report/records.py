@@ -18,6 +18,7 @@ class OverTimeOptions(Record):
     """A quantity over the whole charge."""
 
     quantity: Literal["current", "voltage", "soc", "temperature"]
+    time_in: Literal["h", "min", "s"] = Field(default="h", description="unit of the axis of time")
 
 
 class EnlargedOptions(Record):
@@ -56,6 +57,67 @@ class EffectOptions(Record):
     searches: dict[str, str] = Field(min_length=2, description="name of a search -> what it is called here")
 
 
+class NickelChargeOptions(Record):
+    """A charge of a nickel battery, its signs of full marked."""
+
+    mode: str = Field(min_length=1, description="name of the mode")
+    show: tuple[Literal["current", "voltage", "temperature", "rate", "soc"], ...] = Field(
+        default=("voltage", "temperature", "rate"), min_length=1, description="quantities, one field each"
+    )
+    c_rate: float | None = Field(default=None, gt=0, description="constant current whose stops are marked [C-rate]")
+    published_stop_s: float | None = Field(default=None, gt=0, description="when the paper would stop it [s]")
+
+
+class ControllerOptions(Record):
+    """One of the paper's diagrams of the charger."""
+
+    part: Literal["current_source", "loop"]
+    mode: str = Field(default="grnn", min_length=1, description="mode whose controller is drawn")
+
+
+class FunctionConvergenceOptions(Record):
+    """Searches on test functions, run by run."""
+
+    functions: tuple[str, ...] = Field(min_length=1, description="names of the functions, a column each")
+    placements: tuple[Literal["centred", "shifted", "rotated"], ...] = Field(
+        default=("centred", "shifted", "rotated"), min_length=1, description="a row each"
+    )
+    searches: dict[str, str] = Field(min_length=1, description="name of a search -> what it is called here")
+
+
+class FunctionPlacementsOptions(Record):
+    """Searches on test functions, by where the minimum is."""
+
+    searches: dict[str, str] = Field(min_length=1, description="name of a search -> what it is called here")
+
+
+class ChargeOptions(Record):
+    """One charge."""
+
+    mode: str = Field(min_length=1, description="name of the mode")
+
+
+class StageTemperatureOptions(ChargeOptions):
+    """A staged charge, and what is printed about it."""
+
+    highest_k: float = Field(gt=0, description="highest temperature rise printed [K]")
+    after_three_k: float = Field(gt=0, description="highest rise of the first three stages printed [K]")
+    end_s: float = Field(gt=0, description="charging time printed [s]")
+
+
+class StageCasesOptions(Record):
+    """Staged charges that matter."""
+
+    cases: dict[str, str] = Field(min_length=1, max_length=7, description="name of a case -> what it is called here")
+
+
+class StageSearchOptions(Record):
+    """Searches for stage currents."""
+
+    weights: str = Field(min_length=1, description="name of the weights")
+    searches: dict[str, str] = Field(min_length=1, max_length=7, description="name of a search -> what it is called")
+
+
 class CircuitOptions(Record):
     """One of the paper's diagrams of the system."""
 
@@ -66,23 +128,53 @@ class CircuitOptions(Record):
 DRAWINGS: dict[str, type[Record]] = {
     "algorithm": NoOptions,
     "array_against_factorial": NoOptions,
+    "calibration_gains": NoOptions,
+    "cell_curves": NoOptions,
+    "charge_course": ChargeOptions,
+    "charger": ControllerOptions,
     "circuit": CircuitOptions,
     "convergence": ConvergenceOptions,
+    "control_loop": NoOptions,
     "energy": NoOptions,
     "enlarged": EnlargedOptions,
     "frequency_map": NoOptions,
+    "function_convergence": FunctionConvergenceOptions,
+    "function_placements": FunctionPlacementsOptions,
     "level_effects": NoOptions,
     "logistic_map": NoOptions,
     "loss_over_frequency": NoOptions,
     "map_disorder": NoOptions,
+    "network_convergence": NoOptions,
+    "network_selections": NoOptions,
+    "network_size": NoOptions,
+    "network_surface": NoOptions,
+    "nickel_charge": NickelChargeOptions,
     "over_time": OverTimeOptions,
     "panel_curves": NoOptions,
     "reflex_waveform": WaveformOptions,
     "search_effects": EffectOptions,
+    "sensors": NoOptions,
+    "stage_currents": StageCasesOptions,
+    "stage_search_course": StageSearchOptions,
+    "stage_search_ends": StageSearchOptions,
+    "stage_temperature": StageTemperatureOptions,
+    "strings": NoOptions,
     "supply": NoOptions,
     "switched_edges": SwitchedOptions,
+    "thevenin": NoOptions,
+    "time_rise_front": StageCasesOptions,
+    "trade_off": NoOptions,
+    "two_cells": NoOptions,
 }
 """Every module under `figures` and the record of its options."""
+
+
+Read = Literal[
+    "modes", "system", "algorithm", "battery", "stage_search", "panel", "supply", "chaos", "objective", "tuning",
+    "search", "surface", "network", "network_size", "network_kernels", "functions", "charge", "switched", "trade_off",
+    "staging_search", "staging", "front", "second_charge",
+]  # fmt: skip
+"""What a figure may read."""
 
 
 class FigureCard(Record):
@@ -92,24 +184,11 @@ class FigureCard(Record):
     paper: str = Field(default="", description="its number in the paper; empty for a figure of our own")
     title: str = Field(min_length=1, description="title, for people")
     caption: str = Field(min_length=1, description="what it shows; also its text for those who cannot see it")
-    reads: tuple[
-        Literal[
-            "modes",
-            "system",
-            "algorithm",
-            "panel",
-            "supply",
-            "chaos",
-            "objective",
-            "tuning",
-            "search",
-            "charge",
-            "switched",
-        ],
-        ...,
-    ] = Field(
+    reads: tuple[Read, ...] = Field(
         description="the steps whose artefacts it reads; modes: the knobs of the modes; system: panel, converters, "
-        "load and battery as configured; algorithm: the settings of the search"
+        "load and battery as configured; algorithm: the settings of the search; battery: the battery as configured; "
+        "stage_search: the settings of the search for stage currents that is used; trade_off: its settings too; "
+        "second_charge: the charges of the second battery, without which the figure is left out"
     )
     comparison: str | None = Field(default=None, description="the only comparison it shows; all of them without")
     options: dict[str, Any] = Field(default_factory=dict, description="what the drawing module lets one choose")

@@ -52,6 +52,26 @@ def search_tables(data: ReportData, reference: Path) -> list[ReportTable]:
     return shown + [numbers(data, source) for source in _NUMBERS if source in data.inputs]
 
 
+def beyond_range(data: ReportData, searched: tuple[float, float] | None) -> list[str]:
+    """Say in a sentence that the least loss lies where the search does not look; nothing where it does.
+
+    Arguments
+    ---------
+    data : artefacts, of which `objective` is read.
+    searched : lowest and highest frequency of the search [Hz]; none where nothing is searched.
+    """
+    if searched is None or "objective" not in data.inputs:
+        return []
+    best, (low, high) = data.numbers("objective").get("optimal_frequency_hz"), searched
+    if best is not None and low <= best <= high:
+        return []
+    where = "has no least value" if best is None else f"is least at {best:.3g} Hz"
+    return [
+        f"With this battery the loss against frequency {where}, outside the {low:g} Hz to {high:g} Hz that are "
+        "searched: what the search finds is an end of its range."
+    ]
+
+
 def table_2(data: ReportData) -> ReportTable:
     """Return the runs of the parameter design: what the paper prints, and the mean of our searches."""
     runs = data.table("tuning", "rerun_runs")

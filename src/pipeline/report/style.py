@@ -58,15 +58,19 @@ def figure(height_in: float) -> Figure:
     return Figure(figsize=(WIDTH_IN, height_in), layout="constrained")
 
 
-def legend(drawing: Figure, titles: dict[str, str], found: dict[str, Mark], markers: bool = False) -> None:
-    """Put one legend of the modes above all axes."""
-    handles = [
+def handles(titles: dict[str, str], found: dict[str, Mark], markers: bool = True) -> list[Line2D]:
+    """Return what a legend shows of each mark."""
+    return [
         Line2D(
             [], [], color=mark.colour, linestyle=mark.line, marker=mark.marker if markers else "", label=titles[mode]
         )
         for mode, mark in found.items()
     ]
-    drawing.legend(handles=handles, loc="outside upper center", ncols=min(len(handles), 4) or 1)
+
+
+def legend(drawing: Figure, titles: dict[str, str], found: dict[str, Mark], markers: bool = False) -> None:
+    """Put one legend of the modes above all axes."""
+    drawing.legend(handles=handles(titles, found, markers), loc="outside upper center", ncols=min(len(found), 4) or 1)
 
 
 def nothing(axes: Axes, why: str) -> None:

@@ -1,16 +1,21 @@
 """Test functions of optimisation with known minima: centred, shifted or rotated, in any dimension.
 
-Definitions: Jamil and Yang, Int. J. Math. Model. Numer. Optim. 4 (2013) 150, DOI 10.1504/IJMMNO.2013.055204.
+Definitions: Jamil and Yang, Int. J. Math. Model. Numer. Optim. 4 (2013) 150, DOI 10.1504/IJMMNO.2013.055204. Each takes
+positions (n, d) and returns values (n,); a row's value does not depend, to the last bit, on the rows beside it.
 """
 
 from __future__ import annotations
 
+import math
+import zlib
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
+from pipeline.jit import jit
 from pipeline.search.box import Box
+from pipeline.search.function_records import CENTRED, HALF_WIDTHS, ROTATED
 from pipeline.search.history import Objective
 
 Array = NDArray[np.float64]
@@ -30,74 +35,147 @@ class Benchmark(NamedTuple):
         return Box(-edge, edge)
 
 
+@jit
 def sphere(x: Array) -> Array:
     """Return the sum of squares: one minimum, all directions alike."""
-    return _total(x**2)
+    values = np.zeros(len(x))
+    for i in range(x.shape[0]):
+        for j in range(x.shape[1]):
+            values[i] += x[i, j] * x[i, j]
+    return values
 
 
-def rastrigin(x: Array) -> Array:
-    """Return Rastrigin's function: a bowl with a regular lattice of local minima."""
-    return _total(x**2 - 10.0 * np.cos(2.0 * np.pi * x) + 10.0)
-
-
-def rosenbrock(x: Array) -> Array:
-    """Return Rosenbrock's function, a bent valley; in one dimension its last term alone."""
-    if x.shape[-1] == 1:
-        return _total((1.0 - x) ** 2)
-    return _total(100.0 * (x[..., 1:] - x[..., :-1] ** 2) ** 2 + (1.0 - x[..., :-1]) ** 2)
-
-
-def ackley(x: Array) -> Array:
-    """Return Ackley's function: nearly flat far out, a funnel with ripples within."""
-    radius = np.sqrt(_total(x**2) / x.shape[-1])
-    ripple = _total(np.cos(2.0 * np.pi * x)) / x.shape[-1]
-    result: Array = -20.0 * np.expm1(-0.2 * radius) - (np.exp(ripple) - np.e)
-    return result
-
-
-def griewank(x: Array) -> Array:
-    """Return Griewank's function: a shallow bowl with many regular dips."""
-    index = np.sqrt(np.arange(1, x.shape[-1] + 1))
-    result: Array = np.sum(x**2, axis=-1) / 4000.0 - np.prod(np.cos(x / index), axis=-1) + 1.0
-    return result
-
-
+@jit
 def schwefel_222(x: Array) -> Array:
     """Return Schwefel's problem 2.22: the sum and the product of the magnitudes, with a kink at the minimum."""
-    magnitude = np.abs(x)
-    result: Array = np.sum(magnitude, axis=-1) + np.prod(magnitude, axis=-1)
-    return result
+    values = np.zeros(len(x))
+    for i in range(x.shape[0]):
+        product = 1.0
+        for j in range(x.shape[1]):
+            values[i] += abs(x[i, j])
+            product *= abs(x[i, j])
+        values[i] += product
+    return values
+
+
+@jit
+def schwefel_12(x: Array) -> Array:
+    """Return Schwefel's problem 1.2: the sum of the squares of all partial sums, a long slanting valley."""
+    values = np.zeros(len(x))
+    for i in range(x.shape[0]):
+        partial = 0.0
+        for j in range(x.shape[1]):
+            partial += x[i, j]
+            values[i] += partial * partial
+    return values
+
+
+@jit
+def rosenbrock(x: Array) -> Array:
+    """Return Rosenbrock's function, a bent valley; in one dimension its last term alone."""
+    values = np.zeros(len(x))
+    for i in range(x.shape[0]):
+        if x.shape[1] == 1:
+            values[i] = (1.0 - x[i, 0]) ** 2
+        for j in range(x.shape[1] - 1):
+            values[i] += 100.0 * (x[i, j + 1] - x[i, j] ** 2) ** 2 + (1.0 - x[i, j]) ** 2
+    return values
+
+
+@jit
+def rastrigin(x: Array) -> Array:
+    """Return Rastrigin's function: a bowl with a regular lattice of local minima."""
+    values = np.zeros(len(x))
+    for i in range(x.shape[0]):
+        for j in range(x.shape[1]):
+            values[i] += x[i, j] * x[i, j] + (10.0 - 10.0 * math.cos(2.0 * math.pi * x[i, j]))
+    return values
+
+
+@jit
+def griewank(x: Array) -> Array:
+    """Return Griewank's function: a shallow bowl with many regular dips."""
+    values, roots = np.zeros(len(x)), np.sqrt(np.arange(1.0, x.shape[1] + 1.0))
+    for i in range(x.shape[0]):
+        product = 1.0
+        for j in range(x.shape[1]):
+            values[i] += x[i, j] * x[i, j] / 4000.0
+            product *= math.cos(x[i, j] / roots[j])
+        values[i] += 1.0 - product
+    return values
+
+
+@jit
+def ackley(x: Array) -> Array:
+    """Return Ackley's function: nearly flat far out, a funnel with ripples within."""
+    values = np.empty(len(x))
+    for i in range(x.shape[0]):
+        squares, ripples = 0.0, 0.0
+        for j in range(x.shape[1]):
+            squares += x[i, j] * x[i, j]
+            ripples += math.cos(2.0 * math.pi * x[i, j])
+        bowl = -20.0 * math.expm1(-0.2 * math.sqrt(squares / x.shape[1]))
+        values[i] = bowl + (math.e - math.exp(ripples / x.shape[1]))
+    return values
 
 
 BENCHMARKS: dict[str, Benchmark] = {
-    benchmark.name: benchmark
-    for benchmark in (
-        Benchmark("sphere", sphere, 5.12, 0.0),
-        Benchmark("rastrigin", rastrigin, 5.12, 0.0),
-        Benchmark("rosenbrock", rosenbrock, 2.048, 1.0),
-        Benchmark("ackley", ackley, 32.768, 0.0),
-        Benchmark("griewank", griewank, 600.0, 0.0),
-        Benchmark("schwefel_222", schwefel_222, 10.0, 0.0),
+    function.__name__: Benchmark(
+        function.__name__, function, HALF_WIDTHS[function.__name__], float(function is rosenbrock)
     )
+    for function in (sphere, schwefel_222, schwefel_12, rosenbrock, rastrigin, griewank, ackley)
 }
+
+
+class Problem(NamedTuple):
+    """A function as it is searched; its minimum is 0."""
+
+    objective: Objective
+    box: Box
+    minimum_at: Array
+    """Where the minimum is, shape (d,)."""
+
+
+def problem(name: str, placement: str, dimensions: int, shift_share: float, seed: int) -> Problem:
+    """Return a function in one of its placements; the same seed gives the same place, whatever else is asked for.
+
+    Arguments
+    ---------
+    name : of the function.
+    placement : `centred`: as it is defined; `shifted`: its minimum moved to a random place; `rotated`: that, and turned
+        about it by a random orthogonal matrix.
+    dimensions : d.
+    shift_share : how far from the centre the minimum may be moved, over the half width of the box [1].
+    seed : root of the random place and matrix.
+    """
+    benchmark = BENCHMARKS[name]
+    box = benchmark.box(dimensions)
+    if placement == CENTRED:
+        return Problem(benchmark.function, box, np.full(dimensions, benchmark.minimum_at))
+    rng = np.random.default_rng(np.random.SeedSequence([seed, zlib.crc32(name.encode())]))
+    place = benchmark.half_width * shift_share * rng.uniform(-1.0, 1.0, dimensions)
+    rotation = random_rotation(dimensions, rng) if placement == ROTATED else None
+    return Problem(placed(benchmark, place, rotation), box, place)
+
+
+def placed(benchmark: Benchmark, minimum_at: Array, rotation: Array | None = None) -> Objective:
+    """Return the function with its minimum moved to a place (d,), and turned about it by a matrix (d, d), if given."""
+
+    def function(x: Array) -> Array:
+        moved = x - (minimum_at - benchmark.minimum_at)
+        return benchmark.function(moved if rotation is None else _turned(moved, benchmark.minimum_at, rotation))
+
+    return function
 
 
 def shifted(benchmark: Benchmark, offset: Array) -> Objective:
     """Return the function with its minimum moved by an offset, shape (d,): no search gains by going to the middle."""
-
-    def function(x: Array) -> Array:
-        return benchmark.function(x - offset)
-
-    return function
+    return placed(benchmark, benchmark.minimum_at + offset)
 
 
 def rotated(benchmark: Benchmark, rotation: Array) -> Objective:
     """Return the function turned about its minimum by an orthogonal matrix (d, d): none gains along the axes."""
-
-    def function(x: Array) -> Array:
-        return benchmark.function((x - benchmark.minimum_at) @ rotation.T + benchmark.minimum_at)
-
-    return function
+    return placed(benchmark, np.full(len(rotation), benchmark.minimum_at), rotation)
 
 
 def random_rotation(dimensions: int, rng: np.random.Generator) -> Array:
@@ -107,6 +185,13 @@ def random_rotation(dimensions: int, rng: np.random.Generator) -> Array:
     return result
 
 
-def _total(terms: Array) -> Array:
-    total: Array = np.sum(terms, axis=-1)
-    return total
+@jit
+def _turned(x: Array, about: float, rotation: Array) -> Array:
+    # Not a matrix product of numpy's: its last bits depend on how many rows it is given.
+    turned = np.full(x.shape, about)
+    for i in range(x.shape[0]):
+        for k in range(x.shape[1]):
+            away = x[i, k] - about
+            for j in range(x.shape[1]):
+                turned[i, j] += rotation[j, k] * away
+    return turned

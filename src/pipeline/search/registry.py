@@ -7,7 +7,7 @@ no look at the sources can see.
 from __future__ import annotations
 
 import pkgutil
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from importlib import import_module
 from typing import Annotated, Any, Protocol, cast
 
@@ -22,7 +22,7 @@ from pipeline.search.streams import generators
 
 
 class Algorithm(Protocol):
-    """What a module of a search algorithm holds; `replicate` is optional."""
+    """What a module of a search algorithm holds; `replicate` and `replicate_alike` are optional."""
 
     Settings: type[SearchSettings]
 
@@ -86,3 +86,18 @@ def replicated(objective: Objective, settings: SearchSettings, seed: int) -> His
         return cast(History, together(objective, box, settings, seed))
     random = generators(seed, 0, settings.replicates)
     return joined([module.minimise(objective, box, settings, rng) for rng in random])
+
+
+def replicated_alike(tasks: Sequence[tuple[Objective, Box, SearchSettings]], seed: int) -> list[History]:
+    """Run several searches with all their replicates, side by side where their algorithm can; the results are the same.
+
+    Arguments
+    ---------
+    tasks : objective, box and settings of each search.
+    seed : root of the random streams.
+    """
+    module = algorithm(tasks[0][2].kind)
+    together = getattr(module, "replicate_alike", None)
+    if together is not None and len({(one.kind, one.replicates) for _, _, one in tasks}) == 1:
+        return cast(list[History], together(tasks, seed))
+    return [replicated(objective, settings, seed) for objective, _, settings in tasks]

@@ -11,8 +11,9 @@ from pipeline.cell.records import Battery
 from pipeline.charge.checks import check
 from pipeline.charge.comparison import compared
 from pipeline.charge.ensemble import EnsembleSettings, draw, with_values
+from pipeline.charge.many import Task, simulate_many
 from pipeline.charge.records import ChargeSettings, EngineSettings, Mode
-from pipeline.charge.simulate import Supply, simulate
+from pipeline.charge.simulate import Supply
 from pipeline.digest import canonical
 from pipeline.errors import UserError
 from pipeline.steps.inputs import supply
@@ -43,23 +44,28 @@ def _charges(
     charge = ChargeSettings.model_validate(tree["charge"])
     engine = EngineSettings.model_validate(settings["engine"])
     modes = {name: Mode.model_validate(mode) for name, mode in tree["modes"].items()}
-    done: dict[str, list[tuple[str, float | None]]] = {}
+    wanted: list[tuple[str, str, str]] = []
+    tasks: dict[str, Task] = {}
     for comparison, reference in settings["comparisons"].items():
         for name in settings["run"]:
-            mode = compared(modes[name], None if reference is None else modes[reference], battery)
+            mode = compared(
+                modes[name], None if reference is None else modes[reference], battery, settings["stops"].get(comparison)
+            )
             sheet = canonical([name, mode.model_dump(mode="json")])
-            if sheet not in done:
-                done[sheet] = _numbers(battery, mode, source, charge, engine)
-            yield from ((comparison, name, quantity, value) for quantity, value in done[sheet])
+            wanted.append((comparison, name, sheet))
+            if sheet not in tasks and _accepted(battery, mode, charge):
+                tasks[sheet] = Task(battery, mode, source, charge, engine)
+    summaries = {sheet: done.summary for sheet, done in zip(tasks, simulate_many(tasks.values()), strict=True)}
+    for comparison, name, sheet in wanted:
+        for quantity in summaries.get(sheet, []):
+            if quantity.text is None:
+                yield comparison, name, quantity.quantity, quantity.value
 
 
-def _numbers(
-    battery: Battery, mode: Mode, source: Supply, charge: ChargeSettings, engine: EngineSettings
-) -> list[tuple[str, float | None]]:
-    """Return the numbers of a charge's summary; none for a sample that no charger would accept."""
+def _accepted(battery: Battery, mode: Mode, charge: ChargeSettings) -> bool:
+    """Tell whether a charger would accept a sample."""
     try:
         check(battery, mode, charge)
     except UserError:
-        return []
-    summary = simulate(battery, mode, source, charge, engine).summary
-    return [(quantity.quantity, quantity.value) for quantity in summary if quantity.text is None]
+        return False
+    return True

@@ -13,4 +13,4 @@ def report_data(settings: Mapping[str, Any], inputs: Mapping[str, Path]) -> Repo
     """Return the artefacts of a run under the titles of its modes and comparisons, in the order of the run."""
     modes = {mode["name"]: ModeLabel(mode["title"], mode["knobs"]) for mode in settings["modes"]}
     comparisons = {comparison["name"]: comparison["title"] for comparison in settings["comparisons"]}
-    return ReportData(inputs, modes, comparisons, settings.get("settings", {}))
+    return ReportData(inputs, modes, comparisons, settings.get("settings", {}), tuple(settings.get("cells", ())))

@@ -7,17 +7,20 @@ from pathlib import Path
 from typing import Any
 
 from pipeline import schemas, tables
-from pipeline.digest import PROJECT
+from pipeline.published.reference import REFERENCE
+from pipeline.report import second_cell
 from pipeline.report import tables as report_tables
 from pipeline.report.data import ReportData
-from pipeline.report.pages import PageContent, PageFigure, Paper, render
+from pipeline.report.function_tables import function_tables
+from pipeline.report.network_tables import network_tables
+from pipeline.report.pages import PageContent, PageFigure, PageSection, Paper, render
 from pipeline.report.parameters import parameters
-from pipeline.report.search_tables import search_tables
+from pipeline.report.search_tables import beyond_range, search_tables
+from pipeline.report.staging_tables import staging_tables
 from pipeline.report.switched_tables import switched_tables
 from pipeline.report.tables import ReportTable
+from pipeline.report.worth import answer, titles, worth
 from pipeline.steps.labels import report_data
-
-REFERENCE = PROJECT / "conf" / "published" / "reference"
 
 
 def run(settings: Mapping[str, Any], inputs: Mapping[str, Path], output: Path) -> None:
@@ -25,22 +28,30 @@ def run(settings: Mapping[str, Any], inputs: Mapping[str, Path], output: Path) -
     data = report_data(settings, inputs)
     verdicts = _verdicts(inputs)
     shown = _tables(data, inputs)
+    figures = {card["name"]: _figure(card, inputs[f"figure/{card['name']}"]) for card in settings["figures"]}
+    of_second, of_trade_off = (_reading(settings["figures"], step) for step in ("second_charge", "trade_off"))
+    apart = {*of_second, *of_trade_off}
+    sections = _worth(data, inputs, [figures[name] for name in of_trade_off])
+    sections += _second(data, inputs, verdicts, [figures[name] for name in of_second])
     listed = parameters(settings["parameters"])
-    study = settings["study"]
+    study, searched = settings["study"], settings.get("searched")
+    notes = [*_departure(settings["overrides"]), *beyond_range(data, tuple(searched) if searched else None)]
     page = PageContent(
         title=study["title"],
-        subtitle=" ".join([f"{study['question']} {settings['battery']}.", *_departure(settings["overrides"])]),
+        subtitle=" ".join([f"{study['question']} {settings['battery']}.", *notes]),
         paper=Paper(study["paper"], study["doi"]),
         verdicts=verdicts,
-        figures=[_figure(card, inputs[f"figure/{card['name']}"]) for card in settings["figures"]],
+        figures=[figure for name, figure in figures.items() if name not in apart],
         tables=shown,
         parameters=listed,
         command=settings["command"],
         keys={name: folder.name for name, folder in sorted(inputs.items())},
+        sections=sections,
     )
     (output / "index.html").write_text(render(page), encoding="utf-8")
     (output / "tables").mkdir()
-    for table in [*shown, report_tables.verdicts(verdicts), report_tables.parameters(listed)]:
+    in_sections = [table for section in sections for table in section.tables]
+    for table in [*shown, *in_sections, report_tables.verdicts(verdicts), report_tables.parameters(listed)]:
         (output / "tables" / f"{table.name}.csv").write_text(report_tables.to_csv(table), encoding="utf-8")
 
 
@@ -53,13 +64,41 @@ def _tables(data: ReportData, inputs: Mapping[str, Path]) -> list[ReportTable]:
     shown = [report_tables.charges(data), report_tables.energy(data)]
     if "panel" in inputs:
         shown.insert(0, report_tables.table_1(data, REFERENCE / "solar_table1.csv"))
-    return shown + switched_tables(data) + search_tables(data, REFERENCE)
+    shown += switched_tables(data) + search_tables(data, REFERENCE) + network_tables(data, REFERENCE)
+    return shown + staging_tables(data) + function_tables(data)
 
 
-def _verdicts(inputs: Mapping[str, Path]) -> dict[str, Any]:
+def _reading(cards: list[Mapping[str, Any]], step: str) -> list[str]:
+    """Return the names of the figures of a section of its own: those that show a step above all."""
+    return [card["name"] for card in cards if step in card["reads"] and not card["paper"]]
+
+
+def _worth(data: ReportData, inputs: Mapping[str, Path], figures: list[PageFigure]) -> list[PageSection]:
+    """Return the section on what the network is worth; none where the run does not weigh it."""
+    if "trade_off" not in inputs:
+        return []
+    text = answer(data.numbers("trade_off"), titles(data))
+    return [PageSection("is-it-worth-it", "Is the network worth it?", text, [worth(data)], figures)]
+
+
+def _second(
+    data: ReportData, inputs: Mapping[str, Path], verdicts: Mapping[str, Any], figures: list[PageFigure]
+) -> list[PageSection]:
+    """Return the section on the second battery; none where the run has one battery."""
+    if len(data.cells) < 2:
+        return []
+    others = _verdicts(inputs, "second")
+    shown = [second_cell.side_by_side(data)]
+    if second_cell.differing(verdicts, others):
+        shown.insert(0, second_cell.statements(verdicts, others, data.cells))
+    text = second_cell.summary(verdicts, others, data.cells)
+    return [PageSection("second-cell", "Where the second cell differs", text, shown, figures)]
+
+
+def _verdicts(inputs: Mapping[str, Path], name: str = "verdicts") -> dict[str, Any]:
     if "verdicts" not in inputs:
         return {column.name: [] for column in schemas.VERDICTS.columns}
-    return tables.read(schemas.VERDICTS, inputs["verdicts"] / "verdicts.parquet")
+    return tables.read(schemas.VERDICTS, inputs["verdicts"] / f"{name}.parquet")
 
 
 def _figure(card: Mapping[str, Any], folder: Path) -> PageFigure:

@@ -11,9 +11,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pipeline import quantity, schemas, tables
-from pipeline.digest import PROJECT
 from pipeline.objective.error import objective_of
 from pipeline.objective.records import Problem
+from pipeline.published.reference import REFERENCE
 from pipeline.quantity import Quantity
 from pipeline.search.algorithms.swarm import Settings
 from pipeline.search.tuning import results
@@ -26,8 +26,6 @@ from pipeline.taguchi.variance import anova
 Array = NDArray[np.float64]
 Levels = NDArray[np.int64]
 Factors = Mapping[str, tuple[float, ...]]
-
-REFERENCE = PROJECT / "conf" / "published" / "reference"
 
 
 def run(settings: Mapping[str, Any], inputs: Mapping[str, Path], output: Path) -> None:

@@ -44,6 +44,13 @@ class Circuit:
         element = getattr(elements, symbol)().at(start).to(end).color(self.colour_of(part))
         self._drawing += element.linewidth(2.2 if lit else 1.3).zorder(3 if lit else 2)
 
+    def placed(self, symbol: str, part: str, place: Point, anchor: str, flip: bool = False) -> None:
+        """Draw a symbol of schemdraw with one of its terminals at a place; `flip` turns it upside down."""
+        from schemdraw import elements
+
+        element = getattr(elements, symbol)().at(place).anchor(anchor).color(self.colour_of(part)).right()
+        self._drawing += (element.flip() if flip else element).linewidth(1.3).zorder(2)
+
     def switch(self, name_of_part: str, part: str, start: Point, end: Point, closed: bool, name: str) -> None:
         """Draw a switch, open or closed, with its name beside it."""
         if closed:

@@ -16,6 +16,9 @@ from pipeline.report.records import FigureCard, OverTimeOptions
 _MOST_ROWS_OF_A_BAND = 600
 
 
+_SECONDS = {"h": 3600.0, "min": 60.0, "s": 1.0}
+
+
 class Quantity(NamedTuple):
     """Where a quantity stands in the trace, and how its axis is labelled."""
 
@@ -48,7 +51,7 @@ def draw(figure: FigureCard, data: ReportData) -> Figure:
     """
     options = figure.chosen()
     assert isinstance(options, OverTimeOptions)
-    quantity = QUANTITIES[options.quantity]
+    quantity, unit_s = QUANTITIES[options.quantity], _SECONDS[options.time_in]
     comparisons = data.shown(figure.comparison)
     drawing = style.figure(0.7 + 2.75 * max(1, len(comparisons)))
     fields = drawing.subplots(max(1, len(comparisons)), 1, sharex=True, sharey=True, squeeze=False)[:, 0]
@@ -61,55 +64,56 @@ def draw(figure: FigureCard, data: ReportData) -> Figure:
         charged = data.charged(comparison)
         for place, mode in enumerate(charged):
             seen.add(mode)
-            _line(axes, data.charge(comparison, mode, "trace"), quantity, marks[mode], min(3, len(charged) - 1 - place))
+            trace, later = data.charge(comparison, mode, "trace"), min(3, len(charged) - 1 - place)
+            line(axes, trace, quantity, marks[mode], later, unit_s)
             if options.quantity == "soc":
-                _soc_marks(axes, data.quantities(comparison, mode), marks[mode])
+                _soc_marks(axes, data.quantities(comparison, mode), marks[mode], unit_s)
         if options.quantity == "current":
-            _supply_limits(axes, data, comparison, marks)
+            _supply_limits(axes, data, comparison, marks, unit_s)
         if options.quantity == "temperature":
             _ambient(axes, data, comparison)
     for axes in fields:
         axes.set_ylabel(quantity.label)
-    fields[-1].set_xlabel("Time [h]")
+    fields[-1].set_xlabel(f"Time [{options.time_in}]")
     titles = {mode: label.title for mode, label in data.modes.items()}
     style.legend(drawing, titles, {mode: mark for mode, mark in marks.items() if mode in seen}, markers=True)
     return drawing
 
 
-def _line(axes: Axes, trace: Columns, quantity: Quantity, mark: style.Mark, later: int) -> None:
+def line(axes: Axes, trace: Columns, quantity: Quantity, mark: style.Mark, later: int, unit_s: float = 3600.0) -> None:
     """Draw one mode, the wider the more modes come later: where they coincide none hides another."""
-    hours = trace["Test Time / s"] / 3600.0
-    if not len(hours):
+    moments = trace["Test Time / s"] / unit_s
+    if not len(moments):
         return
     if quantity.is_mean:  # a mean over the interval that ends at the row's time stands in its middle
-        hours = (hours + np.concatenate([[0.0], hours[:-1]])) / 2.0
+        moments = (moments + np.concatenate([[0.0], moments[:-1]])) / 2.0
     values = quantity.factor * trace[quantity.column]
     if quantity.band:
         low, high = (trace[name] for name in quantity.band)
         if np.max(high - low) > 1e-3 * max(1e-12, float(np.max(np.abs(values)))):
-            times, lowest, highest = _blocks(hours, low, high)
+            times, lowest, highest = _blocks(moments, low, high)
             axes.fill_between(times, lowest, highest, color=mark.colour, alpha=0.13, linewidth=0)
-    axes.plot(hours, values, color=mark.colour, linestyle=mark.line, linewidth=1.6 + 0.4 * later)
+    axes.plot(moments, values, color=mark.colour, linestyle=mark.line, linewidth=1.6 + 0.4 * later)
     axes.plot(
-        hours[-1:], values[-1:], color=mark.colour, marker=mark.marker, linestyle="", markersize=5.5 + 2.0 * later
+        moments[-1:], values[-1:], color=mark.colour, marker=mark.marker, linestyle="", markersize=5.5 + 2.0 * later
     )
 
 
 def _blocks(
-    hours: NDArray[Any], low: NDArray[Any], high: NDArray[Any]
+    moments: NDArray[Any], low: NDArray[Any], high: NDArray[Any]
 ) -> tuple[NDArray[Any], NDArray[Any], NDArray[Any]]:
     """Return the band over fewer, longer intervals; no extreme is lost."""
-    starts = np.unique(np.linspace(0, len(hours), _MOST_ROWS_OF_A_BAND, endpoint=False).astype(int))
-    return hours[starts], np.minimum.reduceat(low, starts), np.maximum.reduceat(high, starts)
+    starts = np.unique(np.linspace(0, len(moments), _MOST_ROWS_OF_A_BAND, endpoint=False).astype(int))
+    return moments[starts], np.minimum.reduceat(low, starts), np.maximum.reduceat(high, starts)
 
 
-def _soc_marks(axes: Axes, quantities: dict[str, float], mark: style.Mark) -> None:
+def _soc_marks(axes: Axes, quantities: dict[str, float], mark: style.Mark, unit_s: float) -> None:
     prefix, suffix = "time_to_soc_", "_s"
     for name, seconds in quantities.items():
         if name.startswith(prefix) and name.endswith(suffix):
             percent = 100.0 * float(name[len(prefix) : -len(suffix)])
             axes.plot(
-                [seconds / 3600.0],
+                [seconds / unit_s],
                 [percent],
                 linestyle="",
                 marker=mark.marker,
@@ -118,16 +122,16 @@ def _soc_marks(axes: Axes, quantities: dict[str, float], mark: style.Mark) -> No
             )
 
 
-def _supply_limits(axes: Axes, data: ReportData, comparison: str, marks: dict[str, style.Mark]) -> None:
+def _supply_limits(axes: Axes, data: ReportData, comparison: str, marks: dict[str, style.Mark], unit_s: float) -> None:
     """Underline the times in which the supply limited the current, a line for each mode it happened to."""
     base = 0.03
     for mode in data.charged(comparison):
         trace = data.charge(comparison, mode, "trace")
         limited = trace["supply_limited_share"] > 0.0
         if np.any(limited):
-            hours = trace["Test Time / s"] / 3600.0
+            moments = trace["Test Time / s"] / unit_s
             axes.fill_between(
-                hours, base, base + 0.02, where=limited.tolist(), step="pre", transform=axes.get_xaxis_transform(),
+                moments, base, base + 0.02, where=limited.tolist(), step="pre", transform=axes.get_xaxis_transform(),
                 color=marks[mode].colour, linewidth=0,
             )  # fmt: skip
             base += 0.03

@@ -1,0 +1,104 @@
+"""The drivers: a program course by course, periods from edge to edge or many of them in one stride."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pipeline.cell.circuit import Cell
+from pipeline.charge.averaged import begin_strides, next_periods
+from pipeline.charge.controller import Control, begin, next_current
+from pipeline.charge.period import EXHAUSTED, Clock, run_periods
+from pipeline.charge.program import Program
+from pipeline.charge.record_keeping import Book, reset_extremes, take_sample
+from pipeline.charge.segment import EDGE, FAILED, LIMITS, NOTHING
+from pipeline.charge.state import DEPTH, TEMPERATURE, Run
+from pipeline.charge.stride import Stride
+from pipeline.charge.watching import NO_PEAK
+from pipeline.jit import kernel
+
+DONE, CIRCUIT_FAILED, STEPS_EXHAUSTED = range(3)
+_ENDLESS = 1 << 62
+
+
+@kernel
+def run_program(
+    cell: Cell,
+    program: Program,
+    control: Control,
+    supply_time_s: NDArray[np.float64],
+    supply_power_w: NDArray[np.float64],
+    run: Run,
+    book: Book,
+    clock: Clock,
+    strides: Stride,
+    own: Clock,
+    scratch: Book,
+    ambient_k: float,
+    tolerance: float,
+    maximum_step_s: float,
+    maximum_steps: int,
+) -> int:
+    """Run a program to its end; return how it went; the clock tells when.
+
+    Arguments
+    ---------
+    control : what decides the currents of sampled courses.
+    supply_time_s, supply_power_w : power at the terminals, constant from each time on, (m,).
+    run, book, clock : state to start from, arrays to write into, time.
+    strides, own, scratch : what strides need: their record, and clock and book of the periods at their nodes.
+    """
+    group_start_s = 0.0
+    reset_extremes(book)
+    course, clock.group = 0, -1
+    while course < len(program.segments):
+        if program.group[course] != clock.group:
+            clock.group = program.group[course]
+            group_start_s = clock.time_s
+        clock.course_start_s, clock.periods = clock.time_s, 0
+        start_depth = run.state[DEPTH]
+        clock.phase_end_s = group_start_s + program.elapsed_s[course]
+        clock.period_s = 0.0
+        for n in range(program.segments[course]):
+            clock.period_s += program.length_s[course, n]
+        run.proposal_s[:] = math.inf
+        run.memory[:] = 0.0
+        run.peak_v, run.peak_a = NO_PEAK, 0.0
+        begin_strides(strides)
+        sampled = program.sampled[course]
+        if sampled:
+            begin(control)
+        reason = ended = NOTHING
+        while reason == NOTHING:
+            count = _ENDLESS
+            if sampled:
+                count, program.current_a[course, 0] = 1, next_current(control, run.state[TEMPERATURE])
+            elif program.averaged[course]:
+                count = next_periods(
+                    cell, program, supply_time_s, run, book, clock, strides, own, scratch, course, ended, tolerance,
+                    maximum_step_s,
+                )  # fmt: skip
+            of_stride = count == 0
+            ended = run_periods(
+                cell, program, supply_time_s, supply_power_w, run, scratch if of_stride else book,
+                own if of_stride else clock, course, max(count, 1), ambient_k, tolerance, maximum_step_s, maximum_steps,
+            )  # fmt: skip
+            if not of_stride:
+                reason = ended
+        if reason == FAILED:
+            return CIRCUIT_FAILED
+        if reason == EXHAUSTED:
+            return STEPS_EXHAUSTED
+        row = book.phases[book.filled[1]]
+        row[0], row[1], row[2], row[3], row[4] = clock.group, clock.course_start_s, clock.time_s, reason, start_depth
+        row[5], row[6], row[7] = run.state[DEPTH], run.state[TEMPERATURE], course
+        book.filled[1] += 1
+        if LIMITS <= reason < EDGE:
+            break
+        course += 1
+        while reason != EDGE and course < len(program.segments) and program.group[course] == clock.group:
+            course += 1
+    take_sample(cell, run, book, clock.time_s, clock.group)
+    return DONE

@@ -1,0 +1,177 @@
+"""A stride over many periods: its record, and the weights with which its three nodes move the state.
+
+The state before each period is followed as a function of the count of periods. What a period adds is taken to be
+quadratic in that count, through one period run at each node of Radau IIA; the sums of the quadratic are exact. A
+relaxation multiplies what there was by the same factor in every period, so it is followed exactly too, however fast.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pipeline.cell.circuit import MOST_RELAXATIONS, Cell
+from pipeline.cell.relaxation import LAGRANGE, NODES, phi_functions, response
+from pipeline.charge.record_keeping import SUMS
+from pipeline.charge.state import HYSTERESIS, PAIR_HEAT, RELAXATIONS
+from pipeline.jit import inlined, kernel
+
+PARTS = RELAXATIONS + MOST_RELAXATIONS
+# What a period adds beside the state: sums of the book, gains, changes of control; what is seen in it.
+GAINS_FROM = SUMS
+CHANGES = SUMS + PAIR_HEAT + MOST_RELAXATIONS
+ADDED = CHANGES + 1
+PEAK_K = 4
+SEEN = 5
+# Rows after the three nodes: the period at the start, one that is tried; among states and weights, the end.
+FIRST, TRIED = 3, 4
+END = 3
+
+STRIDE = np.dtype(
+    [
+        ("before", np.float64, (PARTS,)),
+        ("place", np.float64, (5, PARTS)),
+        ("ratio", np.float64, (PARTS,)),
+        ("left", np.float64, (PARTS, 4)),
+        ("weight", np.float64, (PARTS, 3, 4)),
+        ("forcing", np.float64, (3, PARTS)),
+        ("past", np.float64, (3, PARTS)),
+        ("measured", np.float64, (5, PARTS)),
+        ("added", np.float64, (5, ADDED)),
+        ("seen", np.float64, (5, SEEN)),
+        ("scale", np.float64, (PARTS,)),
+        ("slope", np.float64, (PARTS, PARTS)),
+        ("matrix", np.float64, (3 * PARTS, 3 * PARTS)),
+        ("right", np.float64, (3 * PARTS,)),
+        ("phi", np.float64, (8,)),
+        ("row", np.float64, (3,)),
+        ("shift", np.float64, (3, 3)),
+        ("nudge", np.float64, (PARTS,)),
+        ("proposal", np.float64),
+        ("factor", np.float64),
+        ("mismatch", np.float64),
+        ("phase", np.int64),
+        ("at", np.int64),
+        ("part", np.int64),
+        ("count", np.int64),
+        ("iteration", np.int64),
+        ("fresh", np.int64),
+        ("edges_before", np.int64),
+        ("all_changes", np.int64),
+        ("changes_before", np.int64),
+        ("last", np.int64),
+        ("parts", np.int64),
+        ("sloped", np.int64),
+        ("tried", np.int64),
+        ("taken", np.int64),
+    ],
+    align=True,
+)
+"""Everything of a stride.
+
+place[j] : state before the period at node j, and at the end.
+ratio : -log of what a period leaves of a part of the state.
+left[k, j], weight[k, l, j] : part k at node j is left times its start plus weights times forcings.
+forcing[l, k] : what the period at node l adds to part k, `measured` what it did.
+slope[m, k] : how what is measured of part m rises with part k.
+"""
+
+Stride = Any
+
+
+def new_stride() -> Stride:
+    """Return the record of strides, before the first."""
+    return np.zeros(1, dtype=STRIDE).view(np.recarray)[0]
+
+
+@kernel
+def weigh(stride: Stride, count: int) -> None:
+    """Compute the weights of a stride over so many periods."""
+    for k in range(stride.parts):
+        z = stride.ratio[k]
+        if z == 0.0:
+            for j in range(4):
+                theta = NODES[j] - 0.5 / count if j < 3 else 1.0
+                stride.left[k, j] = 1.0
+                for node in range(3):
+                    stride.weight[k, node, j] = passed_by(count, theta, node)
+        else:
+            _weigh_relaxation(stride, k, z, count)
+
+
+@inlined
+def passed_by(count: float, theta: float, node: int) -> float:
+    """Return the sum, from the start to a fraction of the stride, of what is 1 at one node and 0 at the others."""
+    cubic = LAGRANGE[0, node] + theta * (LAGRANGE[1, node] / 2.0 + theta * LAGRANGE[2, node] / 3.0)
+    return float(count * theta * (cubic - LAGRANGE[2, node] / (12.0 * count * count)))
+
+
+@inlined
+def _weigh_relaxation(stride: Stride, k: int, z: float, count: int) -> None:
+    # What a period adds, over 1 - exp(-z), is a weighted mean of the forcing in it; its moments undo the mean.
+    phi, row, shift = stride.phi, stride.row, stride.shift
+    phi_functions(-z, 3, phi)
+    share, mean, square = z * phi[1], phi[2] / phi[1], 2.0 * phi[3] / phi[1]
+    first, second = 0.5 - mean, 0.125 - 0.5 * mean + mean * mean - 0.5 * square
+    for j in range(3):
+        for node in range(3):
+            slope = LAGRANGE[1, node] + 2.0 * NODES[j] * LAGRANGE[2, node]
+            bend = 2.0 * LAGRANGE[2, node]
+            shift[j, node] = (first / count * slope + second / (count * count) * bend + (j == node)) / share
+    for j in range(4):
+        theta = NODES[j] - 0.5 / count if j < 3 else 1.0
+        stride.left[k, j] = response(z * count, theta, phi, row)
+        for node in range(3):
+            weight = row[0] * shift[0, node] + row[1] * shift[1, node] + row[2] * shift[2, node]
+            stride.weight[k, node, j] = weight
+
+
+@inlined
+def move(stride: Stride, j: int) -> None:
+    """Write the state before the period at node j, or at the end, that the forcings make."""
+    for k in range(stride.parts):
+        w, total = stride.weight[k], stride.left[k, j] * stride.before[k]
+        for node in range(3):
+            total += w[node, j] * stride.forcing[node, k]
+        stride.place[j, k] = total
+
+
+@inlined
+def keep_ratios(cell: Cell, stride: Stride, period_s: float, moved: float) -> None:
+    """Write what a period leaves of each part of the state; `moved` is the 1 - SOC it moved up and down."""
+    stride.parts = RELAXATIONS + cell.relaxations
+    stride.ratio[:RELAXATIONS] = 0.0
+    stride.ratio[HYSTERESIS] = cell.hysteresis_per_depth * moved
+    for k in range(cell.relaxations):
+        stride.ratio[RELAXATIONS + k] = period_s / cell.tau_s[k]
+
+
+@kernel
+def at_node_fraction(a: float, b: float, c: float, theta: float) -> float:
+    """Return the quadratic through three values at the nodes."""
+    total = a * (LAGRANGE[0, 0] + theta * (LAGRANGE[1, 0] + theta * LAGRANGE[2, 0]))
+    total += b * (LAGRANGE[0, 1] + theta * (LAGRANGE[1, 1] + theta * LAGRANGE[2, 1]))
+    total += c * (LAGRANGE[0, 2] + theta * (LAGRANGE[1, 2] + theta * LAGRANGE[2, 2]))
+    return float(total)
+
+
+@kernel
+def highest(a: float, b: float, c: float) -> float:
+    """Return the highest value over the stride of the quadratic through three values at the nodes."""
+    one = a * LAGRANGE[1, 0] + b * LAGRANGE[1, 1] + c * LAGRANGE[1, 2]
+    two = a * LAGRANGE[2, 0] + b * LAGRANGE[2, 1] + c * LAGRANGE[2, 2]
+    top = max(a, max(b, c))
+    if two < 0.0:
+        theta = -0.5 * one / two
+        if 0.0 < theta < 1.0:
+            top = max(top, at_node_fraction(a, b, c, theta))
+    return float(top)
+
+
+@inlined
+def copy(to: NDArray[np.float64], values: NDArray[np.float64]) -> None:
+    """Copy one row to another."""
+    for n in range(len(values)):
+        to[n] = values[n]

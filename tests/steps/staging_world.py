@@ -1,0 +1,50 @@
+"""The study of staged charges with small searches, made by its own steps."""
+
+from __future__ import annotations
+
+from functools import cache
+from importlib import import_module
+from pathlib import Path
+
+from pipeline.config.compose import compose_tree
+from pipeline.config.study import Study, study_from
+from pipeline.draft import Draft
+from pipeline.phases import drafts
+from pipeline.steps.__main__ import resolve
+
+LEFT_OUT = ("inertia", "differential_evolution", "genetic", "particle_swarm")
+SMALL = (
+    "study=lfp_cuckoo",
+    "staging.replicates=3",
+    "staging.evaluations=500",
+    "staging.starts=2",
+    "staging.chords=50",
+    "staging.front.population=12",
+    "staging.front.generations=5",
+    "staging.front.weights=4",
+    *(f"~staging.{part}searches.{name}" for name in LEFT_OUT for part in ("", "sources.")),
+    *(f"staging.searches.{name}.{key}" for name in ("plain", "integral") for key in ("nests=10", "generations=24")),
+    *("staging.searches.swarm.particles=10", "staging.searches.swarm.iterations=49"),
+)
+SEARCHED = ("staging_search", "staging", "front")
+
+
+@cache
+def small() -> Study:
+    """Return the study."""
+    return study_from(compose_tree(SMALL))
+
+
+@cache
+def nodes() -> tuple[Draft, ...]:
+    """Return its nodes, inputs before those that read them."""
+    return tuple(drafts(small()))
+
+
+def make(folder: Path, steps: tuple[str, ...]) -> None:
+    """Run the nodes of some steps, each into the folder of its name; inputs that are not made are left out."""
+    for node in nodes():
+        if node.step in steps:
+            (folder / node.name).mkdir(parents=True, exist_ok=True)
+            inputs = {name: folder / name for name in node.inputs if (folder / name).is_dir()}
+            import_module(f"pipeline.steps.{node.step}").run(resolve(node.settings, inputs), inputs, folder / node.name)
