@@ -1,0 +1,48 @@
+"""`python -m benchmarks [NAME ...]`: measures what is named, all but the hour without a name; `table` fills README.md.
+
+Every row is measured before anything fails; then a row below half its figure, or with a larger error than asked,
+makes the exit status 1.
+"""
+
+from __future__ import annotations
+
+import importlib
+import sys
+
+from benchmarks import results
+from benchmarks.protocol import Row
+
+WITH_ROWS = ("edge", "averaged", "hour", "switched", "maximum_power", "chemistry")
+OWN_OUTPUT = ("genetic", "searches")
+SLOW = ("hour",)
+
+
+def main(arguments: list[str]) -> int:
+    """Measure; return the exit status."""
+    known = (*WITH_ROWS, *OWN_OUTPUT, "table")
+    for name in arguments:
+        if name not in known:
+            print(f"unknown benchmark {name!r}; known are: {', '.join(known)}", file=sys.stderr)
+            return 2
+    failed: list[Row] = []
+    for name in arguments or [name for name in known if name not in SLOW]:
+        print(f"\n{name}", flush=True)
+        if name == "table":
+            results.README.write_text(results.put_table(results.README.read_text(), results.table(WITH_ROWS)))
+            continue
+        module = importlib.import_module(f"benchmarks.{name}")
+        if name in OWN_OUTPUT:
+            module.main()
+            continue
+        about = results.facts(module.PACKAGES)
+        rows = module.rows()
+        results.save(name, rows, about)
+        print(results.shown(rows), flush=True)
+        failed += [row for row in rows if row.status == "fails"]
+    for row in failed:
+        print(f"FAILS: {row.name} vs {row.peer}", file=sys.stderr)
+    return int(bool(failed))
+
+
+if __name__ == "__main__":
+    raise SystemExit(main(sys.argv[1:]))
