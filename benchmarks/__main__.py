@@ -1,5 +1,6 @@
-"""`python -m benchmarks [NAME ...]`: measures what is named, all but the hour without a name; `table` fills README.md.
+"""`python -m benchmarks [NAME ...]`: measures what is named; `all`, all but the hour, without a name.
 
+`table` writes the results on file into README.md and benchmarks/README.md.
 Every row is measured before anything fails; then a row below half its figure, or with a larger error than asked,
 makes the exit status 1.
 """
@@ -19,16 +20,18 @@ SLOW = ("hour",)
 
 def main(arguments: list[str]) -> int:
     """Measure; return the exit status."""
-    known = (*WITH_ROWS, *OWN_OUTPUT, "table")
+    quick = [name for name in (*WITH_ROWS, *OWN_OUTPUT) if name not in SLOW]
+    known = (*WITH_ROWS, *OWN_OUTPUT, "all", "table")
     for name in arguments:
         if name not in known:
             print(f"unknown benchmark {name!r}; known are: {', '.join(known)}", file=sys.stderr)
             return 2
+    named = [one for name in arguments or ["all"] for one in (quick if name == "all" else [name])]
     failed: list[Row] = []
-    for name in arguments or [name for name in known if name not in SLOW]:
+    for name in named:
         print(f"\n{name}", flush=True)
         if name == "table":
-            results.README.write_text(results.put_table(results.README.read_text(), results.table(WITH_ROWS)))
+            results.write_tables(WITH_ROWS)
             continue
         module = importlib.import_module(f"benchmarks.{name}")
         if name in OWN_OUTPUT:

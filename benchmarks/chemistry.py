@@ -2,16 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from typing import NamedTuple
 
 from benchmarks import common_model, sheets
 from benchmarks.peers import engine
 from benchmarks.protocol import Figure, Row, compared, interleaved, once
-
 from pipeline.cell.records import Battery
 from pipeline.charge.records import Mode
-from pipeline.charge.simulate import Charge, warm_up
+from pipeline.charge.simulate import warm_up
 
 PACKAGES = ("numba",)
 SECONDS, WHOLE_S = 300.0, 10800.0
@@ -52,8 +50,8 @@ def rows() -> list[Row]:
     compile_s, _ = once(warm_up)
     common = Case(common_model.battery(), sheets.reflex(SECONDS), 0.3)
     every = {COMMON: common} | cases()
-    runs = {name: _run(case) for name, case in every.items()}
-    counts = {name: engine.numbers(run(), ("edges", "steps")) for name, run in runs.items()}
+    runs = {name: engine.solver(case.battery, case.mode, case.soc, "edge") for name, case in every.items()}
+    counts = {name: _counts(case) for name, case in every.items()}
     walls = interleaved(runs, rounds=7)
     each = {
         name: [wall / counts[name][0 if every[name].unit == "edges" else 1] for wall in walls[name]] for name in every
@@ -70,5 +68,5 @@ def rows() -> list[Row]:
     return made
 
 
-def _run(case: Case) -> Callable[[], Charge]:
-    return engine.build(case.battery, case.mode, case.soc, "edge")
+def _counts(case: Case) -> list[float]:
+    return engine.numbers(engine.whole(case.battery, case.mode, case.soc, "edge")(), ("edges", "steps"))

@@ -10,7 +10,6 @@ import math
 from typing import NamedTuple
 
 from benchmarks.sheets import FREQUENCY_HZ, load
-
 from pipeline.cell.records import Battery
 from pipeline.charge.records import Mode
 
@@ -138,7 +137,9 @@ def exact(m: Model, p: Pulses, stored_is_heat: bool = False) -> End:
             for size, rate in heat:
                 # (exp(-b t) - exp(-a t)) / (a - b), without cancellation.
                 apart = (rate - cooling) * length
-                warmer += size / m.heat_capacity_j_k * math.exp(-cooling * length) * -math.expm1(-apart) / apart * length
+                warmer += (
+                    size / m.heat_capacity_j_k * math.exp(-cooling * length) * -math.expm1(-apart) / apart * length
+                )
             x -= current * length / m.capacity_as
             fast_v, slow_v = ends
     return End(1.0 - x, fast_v, slow_v, m.ambient_k + warmer, energy)

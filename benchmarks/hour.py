@@ -85,7 +85,7 @@ def _prepared():
     from benchmarks.sheets import reflex
 
     battery, mode = common_model.battery(), reflex(SECONDS)
-    return battery, mode, engine.build(battery, mode, INITIAL_SOC, "averaged", SECONDS)
+    return battery, mode, engine.solver(battery, mode, INITIAL_SOC, "averaged", SECONDS)
 
 
 def _pybamm() -> dict:

@@ -14,7 +14,7 @@ from typing import Any
 from benchmarks.protocol import NOT_INSTALLED, Row
 
 FOLDER = Path(__file__).parent / "results"
-README = Path(__file__).parents[1] / "README.md"
+README, METHOD = Path(__file__).parents[1] / "README.md", Path(__file__).parent / "README.md"
 BEGIN, END = "<!-- benchmarks: begin -->", "<!-- benchmarks: end -->"
 
 
@@ -122,24 +122,29 @@ def ratio(row: dict[str, Any]) -> str:
 
 def short(value: float) -> str:
     """Return a ratio to three digits, thousands apart."""
-    return f"{round(value, -2):,.0f}".replace(",", " ") if value >= 10000 else f"{value:.3g}" if value < 1000 else f"{value:.0f}"
+    if value < 1000:
+        return f"{value:.3g}"
+    return f"{float(f'{value:.3g}'):,.0f}".replace(",", " ")
 
 
-def table(names: Iterable[str]) -> str:
-    """Return the Markdown table of all results on file, in the order of the names."""
+def table(names: Iterable[str], asked_only: bool = False) -> str:
+    """Return the Markdown table of the results on file, in the order of the names."""
     lines = [
         "| work | peer | ours | peer | median ratio (range) | asked | errors, ours and peer's | |",
-        "|---|---|---|---|---|---|---|---|",
+        "|---" * 8 + "|",
     ]
-    loads = []
     for name in names:
         file = FOLDER / f"{name}.json"
-        if not file.exists():
-            continue
-        for row in json.loads(file.read_text()):
-            lines.append(_line(row))
-            loads.append(row["machine"]["load"][0])
+        if file.exists():
+            rows = json.loads(file.read_text())
+            lines += [_line(row) for row in rows if row["ratio_asked"] or not asked_only]
     return "\n".join(lines)
+
+
+def write_tables(names: Iterable[str]) -> None:
+    """Write the rows of which something is asked into the README, every row into that of the benchmarks."""
+    for file, asked_only in ((README, True), (METHOD, False)):
+        file.write_text(put_table(file.read_text(), table(names, asked_only)))
 
 
 def _line(row: dict[str, Any]) -> str:
@@ -155,7 +160,7 @@ def _line(row: dict[str, Any]) -> str:
 def put_table(text: str, lines: str) -> str:
     """Return a text with the lines between its two markers."""
     if BEGIN not in text or END not in text:
-        raise ValueError(f"README.md has no {BEGIN} ... {END}")
+        raise ValueError(f"no {BEGIN} ... {END} to put the table between")
     head, rest = text.split(BEGIN, 1)
     _, tail = rest.split(END, 1)
     return f"{head}{BEGIN}\n{lines}\n{END}{tail}"

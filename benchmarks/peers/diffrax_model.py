@@ -24,11 +24,11 @@ def build(m: Model, p: Pulses, rtol: float) -> Callable[[], End]:
     (_, first), (_, second), _ = p.segments
     fast, slow = m.fast, m.slow
 
-    def slopes(time, state, _):
+    def slopes(time, state, args):
         phase = jnp.mod(time, p.period_s)
         pulsed = jnp.where(phase < first + second, -p.discharge_a, 0.0)
         current = jnp.where(phase < first, p.charge_a, pulsed)
-        x, v1, v2, warm = state
+        _, v1, v2, warm = state
         heat = current**2 * m.series_ohm + v1**2 / fast.resistance_ohm + v2**2 / slow.resistance_ohm
         return (
             -current / m.capacity_as,
@@ -44,7 +44,8 @@ def build(m: Model, p: Pulses, rtol: float) -> Callable[[], End]:
     def solve(start, breaks):
         return diffrax.diffeqsolve(
             diffrax.ODETerm(slopes), diffrax.Tsit5(), 0.0, p.seconds, 1e-4, start,
-            stepsize_controller=diffrax.ClipStepSizeController(control, jump_ts=breaks), saveat=diffrax.SaveAt(t1=True), max_steps=None,
+            stepsize_controller=diffrax.ClipStepSizeController(control, jump_ts=breaks),
+            saveat=diffrax.SaveAt(t1=True), max_steps=None,
         ).ys  # fmt: skip
 
     def run() -> End:

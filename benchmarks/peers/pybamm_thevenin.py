@@ -12,6 +12,7 @@ import os
 from collections.abc import Callable
 
 import numpy as np
+
 from benchmarks.common_model import KELVIN, End, Model, Pulses
 
 TITLE = "PyBaMM, Thevenin, IDAKLU"

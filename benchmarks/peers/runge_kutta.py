@@ -9,6 +9,7 @@ import math
 from collections.abc import Callable
 
 import numba
+
 from benchmarks.common_model import End, Model, Pulses
 
 TITLE = "Runge-Kutta, numba"

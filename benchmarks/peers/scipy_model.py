@@ -6,8 +6,9 @@ from collections.abc import Callable
 
 import numba
 import numpy as np
-from benchmarks.common_model import End, Model, Pulses
 from scipy.integrate import solve_ivp
+
+from benchmarks.common_model import End, Model, Pulses
 
 
 @numba.njit(error_model="numpy")
