@@ -14,7 +14,7 @@ from benchmarks import results
 from benchmarks.protocol import Row
 
 WITH_ROWS = ("edge", "averaged", "hour", "switched", "maximum_power", "chemistry")
-OWN_OUTPUT = ("genetic", "searches")
+OWN_OUTPUT = ("bound", "genetic", "searches")
 SLOW = ("hour",)
 
 

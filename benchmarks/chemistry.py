@@ -45,11 +45,15 @@ def cases() -> dict[str, Case]:
     }
 
 
+def every_case() -> dict[str, Case]:
+    """Return the common model's charge and the others."""
+    return {COMMON: Case(common_model.battery(), sheets.reflex(SECONDS), 0.3)} | cases()
+
+
 def rows() -> list[Row]:
     """Return the rows: seconds an edge."""
     compile_s, _ = once(warm_up)
-    common = Case(common_model.battery(), sheets.reflex(SECONDS), 0.3)
-    every = {COMMON: common} | cases()
+    every = every_case()
     runs = {name: engine.solver(case.battery, case.mode, case.soc, "edge") for name, case in every.items()}
     counts = {name: _counts(case) for name, case in every.items()}
     walls = interleaved(runs, rounds=7)

@@ -1,6 +1,6 @@
 """How everything here is timed and judged: interleaved rounds in one process, ratios round by round, no imports.
 
-A round runs A, B, C one after the other, each so often that it takes 20 ms, and gives one ratio for each peer; the
+A round runs A, B, C one after the other, each so often that it takes 0.1 s, and gives one ratio for each peer; the
 median of the rounds' ratios counts. Imports, set-up and compilation come before and are told apart.
 """
 
@@ -12,7 +12,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from typing import Any, Literal
 
-ROUNDS, SHORTEST_S = 5, 0.02
+ROUNDS, SHORTEST_S = 5, 0.1
 NOT_INSTALLED = "not installed"
 
 Run = Callable[[], Any]

@@ -144,7 +144,7 @@ def table(names: Iterable[str], asked_only: bool = False) -> str:
 def write_tables(names: Iterable[str]) -> None:
     """Write the rows of which something is asked into the README, every row into that of the benchmarks."""
     for file, asked_only in ((README, True), (METHOD, False)):
-        file.write_text(put_table(file.read_text(), table(names, asked_only)))
+        file.write_text(put(file.read_text(), table(names, asked_only)))
 
 
 def _line(row: dict[str, Any]) -> str:
@@ -157,10 +157,10 @@ def _line(row: dict[str, Any]) -> str:
     return f"| {row['name']} | {row['peer']} | {times} | {ratio(row)} | {asked} | {errors} | {status} |"
 
 
-def put_table(text: str, lines: str) -> str:
+def put(text: str, lines: str, begin: str = BEGIN, end: str = END) -> str:
     """Return a text with the lines between its two markers."""
-    if BEGIN not in text or END not in text:
-        raise ValueError(f"no {BEGIN} ... {END} to put the table between")
-    head, rest = text.split(BEGIN, 1)
-    _, tail = rest.split(END, 1)
-    return f"{head}{BEGIN}\n{lines}\n{END}{tail}"
+    if begin not in text or end not in text:
+        raise ValueError(f"no {begin} ... {end} to put the table between")
+    head, rest = text.split(begin, 1)
+    _, tail = rest.split(end, 1)
+    return f"{head}{begin}\n{lines}\n{end}{tail}"

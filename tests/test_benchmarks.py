@@ -126,9 +126,9 @@ def test_an_unknown_name_is_refused(bench, capsys):
 
 def test_the_table_replaces_what_is_between_its_markers():
     text = f"before\n{results.BEGIN}\nold\n{results.END}\nafter"
-    assert results.put_table(text, "| new |") == f"before\n{results.BEGIN}\n| new |\n{results.END}\nafter"
+    assert results.put(text, "| new |") == f"before\n{results.BEGIN}\n| new |\n{results.END}\nafter"
     with pytest.raises(ValueError, match="benchmarks: begin"):
-        results.put_table("no markers", "| new |")
+        results.put("no markers", "| new |")
 
 
 def test_results_on_file_name_no_folder_and_no_host():
