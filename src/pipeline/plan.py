@@ -49,6 +49,7 @@ CHUNK_SIZE = {
     "functions": (1, 8),
     "charge": (4, 12),  # loading the kernels takes as long as a charge or two
     "trade_off": (1, 4),
+    "validation": (1, 1),
     "switched": (1, 12),
     "verdicts": (1, 32),
     "figures": (7, 14),

@@ -36,6 +36,7 @@ from pipeline.search.function_records import FunctionStudy
 from pipeline.search.records import ChaosSettings
 from pipeline.search.registry import AnySettings
 from pipeline.taguchi.records import Design
+from pipeline.validation.records import Validation
 
 # Targets of the workflow, and folders of results/ that are not studies.
 RESERVED = frozenset(
@@ -67,6 +68,7 @@ class StudyCard(Record):
     question: str = Field(description="what the study asks, in a sentence")
     paper: str = Field(description="citation of the paper it follows")
     doi: str = Field(default="", description="the paper's DOI, where it has one")
+    apart: bool = Field(default=False, description="made only when its own target is asked for, not by `all`")
     on_request: dict[str, tuple[str, ...]] = Field(
         default_factory=dict, description="target -> overrides of a run that is made only when the target is asked for"
     )
@@ -132,6 +134,7 @@ class Study(Record):
     staging: Staging | None = Field(default=None, description="search for the currents of a staged charge")
     calibrations: dict[str, Battery] = Field(default_factory=dict, description="batteries it is repeated on, by name")
     functions: FunctionStudy | None = Field(default=None, description="searches on test functions")
+    validation: Validation | None = Field(default=None, description="what the engine is held against, and nothing else")
     figures: dict[str, FigureCard] = Field(default_factory=dict)
     published: dict[str, Statement] = Field(default_factory=dict)
     sources: dict[str, Source] = Field(default_factory=dict)
@@ -159,7 +162,7 @@ def sections(modes_in_use: tuple[str, ...], calibrations: tuple[str, ...] = ()) 
         *modes,
         *charge,
         *("objective", "design", "search", "oracle", "network", "trade_off", "functions"),
-        *("staging", *(f"calibrations.{name}" for name in calibrations)),
+        *("staging", "validation", *(f"calibrations.{name}" for name in calibrations)),
     )
 
 

@@ -18,6 +18,7 @@ from pipeline import (
     schemas_staging,
     schemas_switched,
     schemas_trade_off,
+    schemas_validation,
     tables,
 )
 
@@ -46,6 +47,7 @@ FILES: dict[str, tuple[str, tables.Table]] = {
     "statistics": ("statistics.parquet", schemas.SEARCH_STATISTICS),
     "comparison": ("comparison.parquet", schemas.SEARCH_COMPARISON),
     **schemas_switched.FILES,
+    **schemas_validation.FILES,
     **{table: found for (_, table), found in schemas_network.ARTEFACTS.items()},
     "staging_runs": ("runs.parquet", schemas_staging.STAGING_RUNS),
     "staging_course": ("course.parquet", schemas_staging.STAGING_COURSE),

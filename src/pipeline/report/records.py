@@ -118,6 +118,13 @@ class StageSearchOptions(Record):
     searches: dict[str, str] = Field(min_length=1, max_length=7, description="name of a search -> what it is called")
 
 
+class CheckOptions(Record):
+    """The lines of a check of the engine."""
+
+    check: str = Field(min_length=1, description="name of the check")
+    columns: int = Field(default=2, ge=1, le=4, description="fields in a row")
+
+
 class CircuitOptions(Record):
     """One of the paper's diagrams of the system."""
 
@@ -165,6 +172,8 @@ DRAWINGS: dict[str, type[Record]] = {
     "time_rise_front": StageCasesOptions,
     "trade_off": NoOptions,
     "two_cells": NoOptions,
+    "validation_differences": CheckOptions,
+    "validation_orders": CheckOptions,
 }
 """Every module under `figures` and the record of its options."""
 
@@ -172,7 +181,7 @@ DRAWINGS: dict[str, type[Record]] = {
 Read = Literal[
     "modes", "system", "algorithm", "battery", "stage_search", "panel", "supply", "chaos", "objective", "tuning",
     "search", "surface", "network", "network_size", "network_kernels", "functions", "charge", "switched", "trade_off",
-    "staging_search", "staging", "front", "second_charge",
+    "staging_search", "staging", "front", "second_charge", "validation",
 ]  # fmt: skip
 """What a figure may read."""
 

@@ -19,6 +19,7 @@ from pipeline.report.search_tables import beyond_range, search_tables
 from pipeline.report.staging_tables import staging_tables
 from pipeline.report.switched_tables import switched_tables
 from pipeline.report.tables import ReportTable
+from pipeline.report.validation_tables import validation_sections
 from pipeline.report.worth import answer, titles, worth
 from pipeline.steps.labels import report_data
 
@@ -30,9 +31,11 @@ def run(settings: Mapping[str, Any], inputs: Mapping[str, Path], output: Path) -
     shown = _tables(data, inputs)
     figures = {card["name"]: _figure(card, inputs[f"figure/{card['name']}"]) for card in settings["figures"]}
     of_second, of_trade_off = (_reading(settings["figures"], step) for step in ("second_charge", "trade_off"))
-    apart = {*of_second, *of_trade_off}
+    of_checks = _reading(settings["figures"], "validation")
+    apart = {*of_second, *of_trade_off, *of_checks}
     sections = _worth(data, inputs, [figures[name] for name in of_trade_off])
     sections += _second(data, inputs, verdicts, [figures[name] for name in of_second])
+    sections += validation_sections(data, settings.get("checks", ()), _by_check(settings["figures"], figures))
     listed = parameters(settings["parameters"])
     study, searched = settings["study"], settings.get("searched")
     notes = [*_departure(settings["overrides"]), *beyond_range(data, tuple(searched) if searched else None)]
@@ -51,7 +54,8 @@ def run(settings: Mapping[str, Any], inputs: Mapping[str, Path], output: Path) -
     (output / "index.html").write_text(render(page), encoding="utf-8")
     (output / "tables").mkdir()
     in_sections = [table for section in sections for table in section.tables]
-    for table in [*shown, *in_sections, report_tables.verdicts(verdicts), report_tables.parameters(listed)]:
+    judged = [report_tables.verdicts(verdicts)] if len(verdicts["statement"]) else []
+    for table in [*shown, *in_sections, *judged, report_tables.parameters(listed)]:
         (output / "tables" / f"{table.name}.csv").write_text(report_tables.to_csv(table), encoding="utf-8")
 
 
@@ -61,11 +65,24 @@ def _departure(overrides: list[str]) -> list[str]:
 
 
 def _tables(data: ReportData, inputs: Mapping[str, Path]) -> list[ReportTable]:
-    shown = [report_tables.charges(data), report_tables.energy(data)]
+    shown = [report_tables.charges(data), report_tables.energy(data)] if _charged(inputs) else []
     if "panel" in inputs:
         shown.insert(0, report_tables.table_1(data, REFERENCE / "solar_table1.csv"))
     shown += switched_tables(data) + search_tables(data, REFERENCE) + network_tables(data, REFERENCE)
     return shown + staging_tables(data) + function_tables(data)
+
+
+def _charged(inputs: Mapping[str, Path]) -> bool:
+    return any(name.startswith("charge/") for name in inputs)
+
+
+def _by_check(cards: list[Mapping[str, Any]], figures: Mapping[str, PageFigure]) -> dict[str, list[PageFigure]]:
+    """Return the figures of each check of the engine."""
+    found: dict[str, list[PageFigure]] = {}
+    for card in cards:
+        if "validation" in card["reads"]:
+            found.setdefault(card["options"]["check"], []).append(figures[card["name"]])
+    return found
 
 
 def _reading(cards: list[Mapping[str, Any]], step: str) -> list[str]:
