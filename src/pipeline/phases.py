@@ -22,12 +22,13 @@ from pipeline.record import Record
 from pipeline.search_phases import FINDERS, SECTION_OF, finders
 from pipeline.staging_phases import staging, used_settings
 from pipeline.switched_phases import switched
+from pipeline.tracking_phases import tracking, tracking_titles
 from pipeline.trade_off_phases import trade_offs
 
 
 def drafts(study: Study) -> list[Draft]:
     """Return the nodes of a study, inputs before those that read them."""
-    parts = (_supply, finders, network, staging, _charges, _ensemble, trade_offs, switched)
+    parts = (_supply, tracking, finders, network, staging, _charges, _ensemble, trade_offs, switched)
     nodes = [with_found(node) for part in parts for node in part(study)]
     nodes = needed(nodes, FINDERS)
     nodes += functions(study)
@@ -291,6 +292,8 @@ def _configured(study: Study, reads: Iterable[str]) -> dict[str, Any]:
         found["trade_off"] = plain(study.trade_off)
     if "battery" in reads:
         found["battery"] = plain(study.battery)
+    if "tracking" in reads:
+        found["tracking"] = tracking_titles(study)
     if "stage_search" in reads:
         found["stage_search"] = used_settings(study)
     return found
@@ -304,7 +307,7 @@ def _named(records: Mapping[str, Record]) -> list[dict[str, Any]]:
 _SHOWN = frozenset(
     {
         *("panel", "supply", "chaos", "objective", "tuning", "search", *NETWORK_STEPS, "functions", "charge"),
-        *("switched", "trade_off", "staging_search", "staging", "front", "verdicts", "figures"),
+        *("switched", "tracking", "trade_off", "staging_search", "staging", "front", "verdicts", "figures"),
     }
 )
 
@@ -322,7 +325,7 @@ def _page(study: Study, nodes: list[Draft]) -> Iterator[Draft]:
             "parameters": _parameters(study, {node.step for node in nodes}),
             "command": command(study.study.name, study.overrides),
             "overrides": list(study.overrides),
-            "settings": _configured(study, ("trade_off",)),
+            "settings": _configured(study, ("trade_off", "tracking")),
             **_labels(study),
             **_searched(study, nodes),
             **(_cells(study) if study.second_battery is not None else {}),

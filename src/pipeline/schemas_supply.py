@@ -90,9 +90,5 @@ ARTEFACTS: dict[tuple[str, str], tuple[str, Table]] = {
 }
 """(input, table) -> file and declaration, as statements and figures read them."""
 
-FILES = {
-    name if of in name else f"{of}_{name}": (file, table)
-    for (of, name), (file, table) in ARTEFACTS.items()
-    if table is not QUANTITIES
-}
+FILES = {f"{of}_{name}": (file, table) for (of, name), (file, table) in ARTEFACTS.items() if table is not QUANTITIES}
 """Name under which figures read a table -> file, declaration."""
