@@ -22,13 +22,14 @@ from pipeline.record import Record
 from pipeline.search_phases import FINDERS, SECTION_OF, finders
 from pipeline.staging_phases import staging, used_settings
 from pipeline.switched_phases import switched
+from pipeline.tracking_phases import tracking, tracking_titles
 from pipeline.trade_off_phases import trade_offs
 from pipeline.validation_phases import headings, validation
 
 
 def drafts(study: Study) -> list[Draft]:
     """Return the nodes of a study, inputs before those that read them."""
-    parts = [_supply, finders, network, staging, _charges, _ensemble, trade_offs, switched]
+    parts = [_supply, tracking, finders, network, staging, _charges, _ensemble, trade_offs, switched]
     # A study of the engine itself charges nothing beside its checks.
     parts = parts if study.validation is None else [validation]
     nodes = [with_found(node) for part in parts for node in part(study)]
@@ -63,7 +64,7 @@ def _supply(study: Study) -> Iterator[Draft]:
         "panel",
         plain({"panel": study.panel, "curves": study.panel_curves}),
         sections=("panel",),
-        shown={f"{part}.parquet": f"panel/{part}.parquet" for part in ("curves", "points", "parameters")},
+        shown={f"{part}.parquet": f"panel/{part}.parquet" for part in ("curves", "points", "parameters", "fit")},
     )
     yield Draft(
         "supply",
@@ -294,6 +295,8 @@ def _configured(study: Study, reads: Iterable[str]) -> dict[str, Any]:
         found["trade_off"] = plain(study.trade_off)
     if "battery" in reads:
         found["battery"] = plain(study.battery)
+    if "tracking" in reads:
+        found["tracking"] = tracking_titles(study)
     if "stage_search" in reads:
         found["stage_search"] = used_settings(study)
     return found
@@ -307,7 +310,8 @@ def _named(records: Mapping[str, Record]) -> list[dict[str, Any]]:
 _SHOWN = frozenset(
     {
         *("panel", "supply", "chaos", "objective", "tuning", "search", *NETWORK_STEPS, "functions", "charge"),
-        *("switched", "validation", "trade_off", "staging_search", "staging", "front", "verdicts", "figures"),
+        *("switched", "tracking", "validation", "trade_off", "staging_search", "staging", "front"),
+        *("verdicts", "figures"),
     }
 )
 
@@ -325,7 +329,7 @@ def _page(study: Study, nodes: list[Draft]) -> Iterator[Draft]:
             "parameters": _parameters(study, {node.step for node in nodes}),
             "command": command(study.study.name, study.overrides),
             "overrides": list(study.overrides),
-            "settings": _configured(study, ("trade_off",)),
+            "settings": _configured(study, ("trade_off", "tracking")),
             **_labels(study),
             **_searched(study, nodes),
             **(_cells(study) if study.second_battery is not None else {}),

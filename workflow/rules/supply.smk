@@ -31,3 +31,20 @@ rule power_supply:
         "Supply: power at the battery's terminals: {wildcards.chunk}"
     shell:
         flow.command("supply")
+
+
+rule try_trackers:
+    input:
+        lambda wildcards: flow.needs(wildcards.chunk),
+    output:
+        flow.receipt("tracking"),
+    log:
+        flow.log("tracking"),
+    benchmark:
+        flow.benchmark("tracking")
+    params:
+        again=again("try_trackers"),
+    message:
+        "Trackers: ramps, days, shadows: {wildcards.chunk}"
+    shell:
+        flow.command("tracking")

@@ -13,7 +13,7 @@ from pipeline.charge import checks as charge_checks
 from pipeline.charge.ensemble import EnsembleSettings
 from pipeline.charge.records import ChargeSettings, EngineSettings, Mode
 from pipeline.charge.trade_off_records import TradeOff
-from pipeline.config import searching, staged, switching
+from pipeline.config import panels, searching, staged, switching
 from pipeline.config.compose import Composed, options
 from pipeline.config.messages import explain
 from pipeline.config.sources import Source, attribute, leaves, split
@@ -36,6 +36,8 @@ from pipeline.search.function_records import FunctionStudy
 from pipeline.search.records import ChaosSettings
 from pipeline.search.registry import AnySettings
 from pipeline.taguchi.records import Design
+from pipeline.tracker.records import AnyTracker
+from pipeline.tracker.tracking_records import Tracking
 from pipeline.validation.records import Validation
 
 # Targets of the workflow, and folders of results/ that are not studies.
@@ -116,6 +118,8 @@ class Study(Record):
     weather: Weather | None = None
     converter: PowerChain | None = None
     load: Load | None = None
+    trackers: dict[str, AnyTracker] = Field(default_factory=dict, description="trackers that are tried, by name")
+    tracking: Tracking | None = Field(default=None, description="what the trackers are tried on")
     battery: Battery
     second_battery: Battery | None = Field(default=None, description="charged in the same way, to be held against it")
     modes: dict[str, Mode]
@@ -158,7 +162,7 @@ def sections(modes_in_use: tuple[str, ...], calibrations: tuple[str, ...] = ()) 
     modes = tuple(f"modes.{name}" for name in modes_in_use)
     charge = ("charge.initial_soc", "charge.ambient_c")
     return (
-        *("panel", "weather", "converter", "load", "battery", "second_battery"),
+        *("panel", "weather", "converter", "load", "trackers", "tracking", "battery", "second_battery"),
         *modes,
         *charge,
         *("objective", "design", "search", "oracle", "network", "trade_off", "functions"),
@@ -174,7 +178,7 @@ def study_from(composed: Composed) -> Study:
     UserError : the first kind of mistake found, each instance with file, key path, value and what is allowed.
     """
     values, written = split(composed.tree)
-    values = _choose_modes(composed, _without_twin(values))
+    values = panels.by_name(composed, _choose_modes(composed, _without_twin(values)), written)
     try:
         study = Study(
             **values,

@@ -25,6 +25,7 @@ UNITS = {
     "_ohm": "ohm",
     "_per_ah": "1/Ah",
     "_per_k": "1/K",
+    "_percent": "%",
     "_percent_per_k": "%/K",
     "_s": "s",
     "_v": "V",
@@ -32,6 +33,7 @@ UNITS = {
     "_v_per_k": "V/K",
     "_w": "W",
     "_w_m2": "W/m2",
+    "_w_m2_s": "W/m2/s",
 }
 
 

@@ -161,6 +161,7 @@ DRAWINGS: dict[str, type[Record]] = {
     "reflex_waveform": WaveformOptions,
     "search_effects": EffectOptions,
     "sensors": NoOptions,
+    "shaded_string": NoOptions,
     "stage_currents": StageCasesOptions,
     "stage_search_course": StageSearchOptions,
     "stage_search_ends": StageSearchOptions,
@@ -170,6 +171,8 @@ DRAWINGS: dict[str, type[Record]] = {
     "switched_edges": SwitchedOptions,
     "thevenin": NoOptions,
     "time_rise_front": StageCasesOptions,
+    "tracker_efficiency": NoOptions,
+    "tracker_ramp": NoOptions,
     "trade_off": NoOptions,
     "two_cells": NoOptions,
     "validation_differences": CheckOptions,
@@ -181,7 +184,7 @@ DRAWINGS: dict[str, type[Record]] = {
 Read = Literal[
     "modes", "system", "algorithm", "battery", "stage_search", "panel", "supply", "chaos", "objective", "tuning",
     "search", "surface", "network", "network_size", "network_kernels", "functions", "charge", "switched", "trade_off",
-    "staging_search", "staging", "front", "second_charge", "validation",
+    "staging_search", "staging", "front", "second_charge", "tracking", "validation",
 ]  # fmt: skip
 """What a figure may read."""
 

@@ -8,7 +8,7 @@ from typing import Any
 
 from pipeline import schemas, tables
 from pipeline.published.reference import REFERENCE
-from pipeline.report import second_cell
+from pipeline.report import second_cell, supply_sections
 from pipeline.report import tables as report_tables
 from pipeline.report.data import ReportData
 from pipeline.report.function_tables import function_tables
@@ -30,12 +30,14 @@ def run(settings: Mapping[str, Any], inputs: Mapping[str, Path], output: Path) -
     verdicts = _verdicts(inputs)
     shown = _tables(data, inputs)
     figures = {card["name"]: _figure(card, inputs[f"figure/{card['name']}"]) for card in settings["figures"]}
-    of_second, of_trade_off = (_reading(settings["figures"], step) for step in ("second_charge", "trade_off"))
-    of_checks = _reading(settings["figures"], "validation")
-    apart = {*of_second, *of_trade_off, *of_checks}
+    of_second, of_trade_off, of_checks, of_supply = (
+        _reading(settings["figures"], step) for step in ("second_charge", "trade_off", "validation", "tracking")
+    )
+    apart = {*of_second, *of_trade_off, *of_checks, *of_supply}
     sections = _worth(data, inputs, [figures[name] for name in of_trade_off])
     sections += _second(data, inputs, verdicts, [figures[name] for name in of_second])
     sections += validation_sections(data, settings.get("checks", ()), _by_check(settings["figures"], figures))
+    sections += supply_sections.sections(data, [figures[name] for name in of_supply])
     listed = parameters(settings["parameters"])
     study, searched = settings["study"], settings.get("searched")
     notes = [*_departure(settings["overrides"]), *beyond_range(data, tuple(searched) if searched else None)]
