@@ -50,6 +50,8 @@ CHUNK_SIZE = {
     "charge": (4, 12),  # loading the kernels takes as long as a charge or two
     "trade_off": (1, 4),
     "switched": (1, 12),
+    "weather": (8, 32),
+    "day": (12, 24),
     "verdicts": (1, 32),
     "figures": (7, 14),
     "page": (1, 8),
@@ -63,6 +65,7 @@ TARGETS = {
     "staging": ("staging_search", "staging", "front"),
     "functions": ("function_runs", "functions"),
     "charges": ("charge", "switched", "trade_off"),
+    "day": ("weather", "day"),
     "figures": ("figures",),
 }
 

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from pipeline import (
     schemas,
+    schemas_day,
     schemas_functions,
     schemas_network,
     schemas_staging,
@@ -46,6 +47,7 @@ FILES: dict[str, tuple[str, tables.Table]] = {
     "statistics": ("statistics.parquet", schemas.SEARCH_STATISTICS),
     "comparison": ("comparison.parquet", schemas.SEARCH_COMPARISON),
     **schemas_switched.FILES,
+    **schemas_day.FILES,
     **{table: found for (_, table), found in schemas_network.ARTEFACTS.items()},
     "staging_runs": ("runs.parquet", schemas_staging.STAGING_RUNS),
     "staging_course": ("course.parquet", schemas_staging.STAGING_COURSE),
