@@ -62,7 +62,7 @@ def _supply(study: Study) -> Iterator[Draft]:
         "panel",
         plain({"panel": study.panel, "curves": study.panel_curves}),
         sections=("panel",),
-        shown={f"{part}.parquet": f"panel/{part}.parquet" for part in ("curves", "points", "parameters")},
+        shown={f"{part}.parquet": f"panel/{part}.parquet" for part in ("curves", "points", "parameters", "fit")},
     )
     yield Draft(
         "supply",

@@ -77,7 +77,7 @@ def compose_tree(overrides: Sequence[str]) -> Composed:
     words = tuple(overrides)
     _check_syntax(words)
     with _hydra():
-        config = _compose([*_mode_words(words), *words])
+        config = _compose([*_mode_words(words), *_panel_words(words), *words])
         hydra_config = config.pop("hydra")
         choices = dict(hydra_config["runtime"]["choices"])
         files = tuple(_files(choices))
@@ -145,6 +145,12 @@ def _mode_words(words: Iterable[str]) -> list[str]:
     return [f"+modes@modes.{name}={name}" for name in names if f"modes@modes.{name}" not in taken]
 
 
+def _panel_words(words: Iterable[str]) -> list[str]:
+    """A panel's name alone says that it stands in a database."""
+    keys = {word.split("=")[0] for word in words}
+    return ["panel=database"] if "panel.name" in keys and "panel" not in keys else []
+
+
 def _check_syntax(words: Iterable[str]) -> None:
     parser = OverridesParser.create()
     for word in words:
@@ -176,7 +182,7 @@ def _refused(error: Exception, words: Iterable[str]) -> UserError:
         parsed = parser.parse_override(word)
         if parsed.is_add() or parsed.is_delete() or f"'{parsed.key_or_group}'" not in str(error):
             continue
-        chosen = [other for other in words if other.startswith("study=") and other != word]
+        chosen = [other for other in words if other.split("=")[0] in groups() and other != word]
         tree = _compose([*_mode_words(()), *chosen])
         keys = parsed.key_or_group.split(".")
         here: Any = tree

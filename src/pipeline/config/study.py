@@ -13,7 +13,7 @@ from pipeline.charge import checks as charge_checks
 from pipeline.charge.ensemble import EnsembleSettings
 from pipeline.charge.records import ChargeSettings, EngineSettings, Mode
 from pipeline.charge.trade_off_records import TradeOff
-from pipeline.config import daily, searching, staged, switching
+from pipeline.config import daily, panels, searching, staged, switching
 from pipeline.config.compose import Composed, options
 from pipeline.config.messages import explain
 from pipeline.config.sources import Source, attribute, leaves, split
@@ -175,7 +175,7 @@ def study_from(composed: Composed) -> Study:
     UserError : the first kind of mistake found, each instance with file, key path, value and what is allowed.
     """
     values, written = split(composed.tree)
-    values = _choose_modes(composed, _without_twin(values))
+    values = panels.by_name(composed, _choose_modes(composed, _without_twin(values)), written)
     try:
         study = Study(
             **values,

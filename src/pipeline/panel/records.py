@@ -15,6 +15,21 @@ Irradiance = Annotated[float, Field(gt=0, le=2000, description="plane-of-array i
 CellTemperature = Annotated[float, Field(ge=-60, le=120, description="temperature of the panel's cells [degC]")]
 
 
+DatabaseName: TypeAlias = Literal["cec", "sandia"]
+"""The databases in which panels are known by name."""
+
+
+class SingleDiodeCard(Record):
+    """Parameters of the single-diode model of one panel, where they are known and not fitted to the data sheet."""
+
+    photocurrent_a: float = Field(gt=0, description="light-generated current I_L [A]")
+    saturation_current_a: float = Field(gt=0, description="diode saturation current I_0 [A]")
+    series_resistance_ohm: float = Field(ge=0, description="series resistance R_s [ohm]")
+    shunt_resistance_ohm: float = Field(gt=0, description="shunt resistance R_sh [ohm]")
+    modified_ideality_v: float = Field(gt=0, description="modified ideality factor a = n N_s k T / q [V]")
+    adjust_percent: float = Field(description="adjustment of the temperature coefficients, as in the CEC model [%]")
+
+
 class Panel(Record):
     """A panel as its data sheet gives it, at 1000 W/m2, AM 1.5 and 25 degC."""
 
@@ -30,6 +45,8 @@ class Panel(Record):
     cells_in_series: int = Field(ge=1, description="cells in series in one panel [1]")
     panels_in_series: int = Field(default=1, ge=1, description="panels in series [1]")
     panels_in_parallel: int = Field(default=1, ge=1, description="strings of panels in parallel [1]")
+
+    single_diode: SingleDiodeCard | None = Field(default=None, description="model of one panel; fitted where not given")
 
     @model_validator(mode="after")
     def _possible(self) -> Panel:

@@ -47,7 +47,7 @@ class Deviations(NamedTuple):
 
 
 def fit(panel: Panel) -> SingleDiode:
-    """Fit the CEC six-parameter model to a data sheet.
+    """Fit the CEC six-parameter model to a data sheet; where it comes with parameters, return these.
 
     Where the sheet's rounded numbers leave only a negative shunt, its short-circuit current is raised by 1 % up to
     five times, as SAM does; `deviations` shows it. Dobos 2012, DOI 10.1115/1.4005759.
@@ -64,6 +64,8 @@ def fit(panel: Panel) -> SingleDiode:
     ------
     UserError : no single-diode curve goes through these points with these coefficients.
     """
+    if panel.single_diode is not None:
+        return SingleDiode(**panel.single_diode.model_dump())
     for raised in _SHORT_CIRCUIT_FACTORS:
         sheet = panel.model_copy(update={"short_circuit_current_a": raised * panel.short_circuit_current_a})
         diode = _solve(sheet)

@@ -5,7 +5,15 @@ from __future__ import annotations
 from collections.abc import Iterable
 from typing import NamedTuple
 
-from pipeline import schemas, schemas_functions, schemas_network, schemas_staging, schemas_switched, schemas_trade_off
+from pipeline import (
+    schemas,
+    schemas_functions,
+    schemas_network,
+    schemas_staging,
+    schemas_supply,
+    schemas_switched,
+    schemas_trade_off,
+)
 from pipeline.tables import Table
 
 
@@ -65,7 +73,7 @@ SOURCES: dict[tuple[str, str], Source] = (
         )
     }
     | {key: Source(*found) for key, found in schemas_network.ARTEFACTS.items()}
-    | {key: Source(*found) for key, found in schemas_switched.ARTEFACTS.items()}
+    | {key: Source(*found) for key, found in (schemas_switched.ARTEFACTS | schemas_supply.ARTEFACTS).items()}
 )
 """(first word of the input's name, table) -> where it is; one line more serves another kind of artefact.
 

@@ -25,6 +25,7 @@ UNITS = {
     "_ohm": "ohm",
     "_per_ah": "1/Ah",
     "_per_k": "1/K",
+    "_percent": "%",
     "_percent_per_k": "%/K",
     "_s": "s",
     "_v": "V",

@@ -6,8 +6,9 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-from pipeline import schemas, tables
+from pipeline import schemas, schemas_supply, tables
 from pipeline.panel import curves
+from pipeline.panel.agreement import agreement
 from pipeline.panel.records import Panel, PanelCurveSettings
 from pipeline.panel.single_diode import fit
 
@@ -20,3 +21,4 @@ def run(settings: Mapping[str, Any], inputs: Mapping[str, Path], output: Path) -
     tables.write(schemas.PANEL_PARAMETERS, curves.parameters(panel, diode), output / "parameters.parquet")
     tables.write(schemas.PANEL_CURVES, lines, output / "curves.parquet")
     tables.write(schemas.PANEL_POINTS, points, output / "points.parquet")
+    tables.write(schemas_supply.PANEL_FIT, agreement(panel, diode), output / "fit.parquet")

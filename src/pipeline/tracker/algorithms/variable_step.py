@@ -1,0 +1,48 @@
+"""Incremental conductance with a step in proportion to |dP/dV|, up to a largest step.
+
+Liu, Duan, Liu, Liu and Kang, IEEE Trans. Ind. Electron. 55 (2008) 2622, DOI 10.1109/TIE.2008.920550.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pipeline.jit import inlined
+from pipeline.tracker.algorithms.incremental_conductance import direction_of
+from pipeline.tracker.records import VariableStep
+from pipeline.tracker.scales import Scales, first_duty
+
+Array = NDArray[np.float64]
+
+
+def numbers(settings: VariableStep, scales: Scales) -> list[float]:
+    """Return the step of the duty over |dP/dV| [1/A], largest step, duty to begin with."""
+    step_per_a = settings.scaling / scales.short_circuit_current_a
+    return [step_per_a, settings.most_duty_step, first_duty(settings, scales)]
+
+
+@inlined
+def decide(voltage: float, current: float, duty: float, memory: Array, own: Array) -> float:
+    """Return the next duty; at a limit of the duty it begins anew.
+
+    Arguments
+    ---------
+    voltage, current : as measured [V], [A].
+    duty : the duty they were measured at.
+    memory : voltage, current and step of the period before, the duty asked for; zeros at first.
+    own : `numbers`.
+    """
+    if memory[2] == 0.0 or current <= 0.0:
+        step, direction = own[1], 1.0
+    else:
+        voltage_change, current_change = voltage - memory[0], current - memory[1]
+        direction = direction_of(voltage, current, voltage_change, current_change, 0.0)
+        step = memory[2]  # with the voltage unchanged there is no slope to take a new one from
+        if voltage_change != 0.0:
+            step = min(own[0] * abs(current + voltage * current_change / voltage_change), own[1])
+    asked = duty + direction * step
+    if memory[2] != 0.0 and duty != memory[3]:
+        asked = own[2]
+    memory[0], memory[1], memory[2], memory[3] = voltage, current, max(step, 1e-9), asked
+    return float(asked)
