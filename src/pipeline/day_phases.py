@@ -27,12 +27,34 @@ def days(study: Study) -> Iterator[Draft]:
             sections=(f"day.weathers.{name}",),
             shown={f"{part}.parquet": f"day/{name}/{part}.parquet" for part in ("weather", "quantities")},
         )
+        yield _daylight(study, name)
     for name in study.day.weathers:
         for mode in study.day.modes or study.run:
             yield _charge(study, name, mode)
 
 
+def _daylight(study: Study, weather: str) -> Draft:
+    """Return the node of what the battery could have, whatever the mode."""
+    assert study.day is not None
+    chain = study.converter
+    if chain is not None and study.day.tracker is None:
+        chain = chain.model_copy(update={"switched": None})
+    return Draft(
+        "daylight",
+        f"daylight/{weather}",
+        weather,
+        {
+            **plain({"panel": study.panel, "converter": chain, "tracker": study.day.tracker}),
+            "load": own_series.settings(study.day.load, "load"),
+        },
+        inputs={"panel": "panel", f"weather/{weather}": f"weather/{weather}"},
+        sections=("panel", "converter", "day.load", "day.tracker"),
+        shown={"daylight.parquet": f"day/{weather}/daylight.parquet"},
+    )
+
+
 def _charge(study: Study, weather: str, mode: str) -> Draft:
+    """Return the node of a mode's charge in a day."""
     assert study.day is not None
     assert study.converter is not None
     return Draft(
@@ -42,18 +64,16 @@ def _charge(study: Study, weather: str, mode: str) -> Draft:
         {
             **plain(
                 {
-                    "panel": study.panel,
                     "converter": study.converter.model_copy(update={"switched": None}),
                     "conditions": study.day.conditions(),
                     "engine": study.engine,
                 }
             ),
-            "load": own_series.settings(study.day.load, "load"),
             "battery": {**plain(study.battery), "title": study.battery.name},
             "mode": {**plain(study.modes[mode]), "title": mode},
         },
-        inputs={"engine": "engine", "panel": "panel", f"weather/{weather}": f"weather/{weather}"},
-        sections=("panel", "converter", "battery", "day", f"modes.{mode}"),
+        inputs={"engine": "engine", f"daylight/{weather}": f"daylight/{weather}"},
+        sections=("converter", "battery", "day", f"modes.{mode}"),
         shown={
             f"{part}.parquet": f"day/{weather}/{mode}.{part}.parquet"
             for part in ("trace", "switching", "stages", "quantities")

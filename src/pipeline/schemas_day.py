@@ -11,9 +11,24 @@ WEATHER = Table(
     (
         Column("time_s", "s", "start of the interval, since first light"),
         Column("clock_s", "s", "the same in local time, since midnight of the first day"),
+        Column("interval_s", "s", "length of the interval"),
         Column("irradiance_w_m2", "W/m2", "irradiance on the panel"),
         Column("ambient_c", "degC", "temperature of the air"),
         Column("cell_temperature_c", "degC", "temperature of the panel's cells"),
+    ),
+)
+DAYLIGHT = Table(
+    "daylight",
+    "What the battery could have over a day if it took everything, constant from each row's time to the next",
+    (
+        *WEATHER.columns,
+        Column("reference_w", "W", "what the panel would give at its efficiency of standard conditions"),
+        Column("panel_w", "W", "the panel's maximum power"),
+        Column("tracked_w", "W", "what the tracker could draw of it"),
+        Column("bus_w", "W", "what the boost converter could bring to the bus"),
+        Column("load_w", "W", "what the load asks for"),
+        Column("served_w", "W", "what the bus gives it"),
+        Column("battery_w", "W", "what the buck converter could bring to the battery's terminals"),
     ),
 )
 _STATE = "off, mode_1, mode_2 or ended"
@@ -77,6 +92,7 @@ DAY_STAGES = Table(
 ARTEFACTS: dict[tuple[str, str], tuple[str, Table]] = {
     ("weather", "weather"): ("weather.parquet", WEATHER),
     ("weather", "quantities"): ("quantities.parquet", QUANTITIES),
+    ("daylight", "daylight"): ("daylight.parquet", DAYLIGHT),
     ("day", "day_trace"): ("trace.parquet", DAY_TRACE),
     ("day", "day_switching"): ("switching.parquet", DAY_SWITCHING),
     ("day", "day_stages"): ("stages.parquet", DAY_STAGES),

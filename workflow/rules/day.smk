@@ -1,4 +1,4 @@
-# Days in the sun: the weather of each, then each mode's charge in it.
+# Days in the sun: the weather of each, what it could bring the battery, then each mode's charge in it.
 rule make_weather:
     input:
         lambda wildcards: flow.needs(wildcards.chunk),
@@ -14,6 +14,23 @@ rule make_weather:
         "Weather of a day: {wildcards.chunk}"
     shell:
         flow.command("weather")
+
+
+rule follow_daylight:
+    input:
+        lambda wildcards: flow.needs(wildcards.chunk),
+    output:
+        flow.receipt("daylight"),
+    log:
+        flow.log("daylight"),
+    benchmark:
+        flow.benchmark("daylight")
+    params:
+        again=again("follow_daylight"),
+    message:
+        "Daylight, from panel to battery: {wildcards.chunk}"
+    shell:
+        flow.command("daylight")
 
 
 rule charge_over_day:

@@ -6,6 +6,7 @@ from pydantic import Field
 
 from pipeline.bus.records import LoadProfile, Switching
 from pipeline.record import Record
+from pipeline.tracker.records import AnyTracker
 from pipeline.weather.records import Weather
 
 
@@ -28,6 +29,9 @@ class Day(DayConditions):
     weathers: dict[str, Weather] = Field(min_length=1, description="weather of each day, by name")
     modes: tuple[str, ...] = Field(default=(), description="modes that charge; those of the study where empty")
     load: LoadProfile
+    tracker: AnyTracker | None = Field(
+        default=None, description="tracker that runs in closed loop; the converters' share of maximum power without"
+    )
 
     def conditions(self) -> DayConditions:
         """Return what every charge of the days has in common."""

@@ -25,12 +25,14 @@ def run(settings: Mapping[str, Any], inputs: Mapping[str, Path], output: Path) -
     columns = {
         "time_s": sky.time_s,
         "clock_s": sky.time_s + sky.clock_s,
+        "interval_s": np.zeros_like(sky.time_s),
         "irradiance_w_m2": sky.irradiance_w_m2,
         "ambient_c": sky.ambient_c,
         "cell_temperature_c": sky.cell_temperature_c,
     }
     columns = {name: np.asarray(column)[rows] for name, column in columns.items()}
-    found = quantities(weather, columns, end_s, measured)
+    columns["interval_s"] = np.diff(columns["time_s"], append=end_s)
+    found = quantities(weather, columns, measured)
     for one in found:
         if one.name == "gaps" and one.value > 0:
             print(f"weather {settings['weather']['title']}: {one.value:g} gaps in its file count as dark", flush=True)

@@ -14,18 +14,15 @@ from pipeline.weather.sky import Array, Measured
 _JOULE_PER_KWH = 3.6e6
 
 
-def quantities(
-    weather: Weather, columns: Mapping[str, Array], end_s: float, measured: Measured | None
-) -> list[Quantity]:
+def quantities(weather: Weather, columns: Mapping[str, Array], measured: Measured | None) -> list[Quantity]:
     """Return the named numbers of a day's weather.
 
     Arguments
     ---------
-    columns : those of the table WEATHER, each row until the next.
-    end_s : end of the last row [s].
+    columns : those of the table WEATHER.
     measured : the rows of its file, where it has one.
     """
-    lengths = np.diff(columns["time_s"], append=end_s)
+    lengths = columns["interval_s"]
     irradiance = columns["irradiance_w_m2"]
     missing = (
         [] if measured is None or not isinstance(weather, MeasuredWeather) else gaps(measured, weather.longest_gap_s)
@@ -34,7 +31,7 @@ def quantities(
     return [
         Quantity("irradiation_kwh_m2", energy, "kWh/m2", "energy of the light on the panel"),
         Quantity("highest_irradiance_w_m2", float(irradiance.max()), "W/m2", "highest irradiance on the panel"),
-        Quantity("length_s", end_s, "s", "from first to last light, or as long as the weather lasts"),
+        Quantity("length_s", float(lengths.sum()), "s", "from first to last light, or as long as the weather lasts"),
         Quantity("mean_ambient_c", float(np.average(columns["ambient_c"], weights=lengths)), "degC", "mean of the air"),
         Quantity(
             "highest_cell_temperature_c", float(columns["cell_temperature_c"].max()), "degC", "highest of the cells"
