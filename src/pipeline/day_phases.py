@@ -36,15 +36,21 @@ def days(study: Study) -> Iterator[Draft]:
 def _daylight(study: Study, weather: str) -> Draft:
     """Return the node of what the battery could have, whatever the mode."""
     assert study.day is not None
-    chain = study.converter
-    if chain is not None and study.day.tracker is None:
-        chain = chain.model_copy(update={"switched": None})
+    assert study.converter is not None
+    switched = study.converter.switched
     return Draft(
         "daylight",
         f"daylight/{weather}",
         weather,
         {
-            **plain({"panel": study.panel, "converter": chain, "tracker": study.day.tracker}),
+            **plain(
+                {
+                    "panel": study.panel,
+                    "converter": study.converter.model_copy(update={"switched": None}),
+                    "boost": None if switched is None or study.day.tracker is None else switched.boost,
+                    "tracker": study.day.tracker,
+                }
+            ),
             "load": own_series.settings(study.day.load, "load"),
         },
         inputs={"panel": "panel", f"weather/{weather}": f"weather/{weather}"},

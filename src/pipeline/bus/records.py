@@ -41,7 +41,7 @@ class MeasuredLoad(Record):
 
     kind: Literal["table"] = "table"
     title: str = Field(min_length=1, description="name of the load, for people")
-    file: str = Field(min_length=1, description="CSV or Parquet file; relative paths start from the working folder")
+    file: str = Field(description="CSV or Parquet file; relative paths start from the working folder")
 
 
 def _kind(value: Any) -> str:

@@ -5,12 +5,12 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from pipeline import own_series
-from pipeline.bus.records import LoadProfile
+from pipeline.bus.records import LoadProfile, MeasuredLoad
 from pipeline.charge import checks
 from pipeline.charge.records import ChargeSettings
 from pipeline.errors import UserError, best_matches
 from pipeline.panel.records import REFERENCE_IRRADIANCE_W_M2, REFERENCE_TEMPERATURE_C, ConstantWeather
-from pipeline.weather.records import Weather
+from pipeline.weather.records import MeasuredWeather, Weather
 
 if TYPE_CHECKING:
     from pipeline.config.study import Study
@@ -53,6 +53,8 @@ def check(study: Study) -> None:
 
 
 def _file(path: str, record: Weather | LoadProfile) -> None:
+    if isinstance(record, MeasuredWeather | MeasuredLoad) and not record.file:
+        raise UserError(f"{path}.file: no file is named; give a CSV or Parquet file, {path}.file=FILE")
     try:
         own_series.weather_rows(record)  # type: ignore[arg-type]
         own_series.load_rows(record)  # type: ignore[arg-type]

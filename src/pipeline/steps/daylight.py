@@ -12,6 +12,7 @@ from pipeline import own_series, schemas, schemas_day, tables
 from pipeline.bus.load import drawn
 from pipeline.bus.records import LoadProfile
 from pipeline.converter.records import PowerChain
+from pipeline.converter.switched_records import SwitchedBoost
 from pipeline.day.sunlight import Tracking, by_share, in_closed_loop, sunlight
 from pipeline.panel.records import Panel
 from pipeline.panel.single_diode import SingleDiode
@@ -42,8 +43,9 @@ def _weather(inputs: Mapping[str, Path]) -> Path:
 
 
 def _tracking(settings: Mapping[str, Any], panel: Panel, diode: SingleDiode, chain: PowerChain) -> Tracking:
-    """Return the tracker in closed loop; the share of the chain where no tracker is chosen."""
-    if settings["tracker"] is None or chain.switched is None:
+    """Return the tracker in closed loop; the chain's share where no tracker or no converter's parts are given."""
+    if settings["tracker"] is None or settings["boost"] is None:
         return by_share(chain.tracker_efficiency)
+    boost = SwitchedBoost.model_validate(settings["boost"])
     tracker: AnyTracker = TypeAdapter(AnyTracker).validate_python(settings["tracker"])
-    return in_closed_loop(Source(panel, diode, chain.switched.boost, chain.bus_voltage_v), tracker)
+    return in_closed_loop(Source(panel, diode, boost, chain.bus_voltage_v), tracker)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -26,9 +26,9 @@ class Components(NamedTuple):
 
 
 class Sun(NamedTuple):
-    """Where the sun stands in each interval [deg], [1], [W/m2], shape (n,) each; `times` are pandas' own."""
+    """Where the sun stands in each interval [deg], [1], [W/m2], shape (n,) each."""
 
-    times: Any
+    day_of_year: NDArray[np.int64]
     zenith: Array
     apparent_zenith: Array
     azimuth: Array
@@ -78,8 +78,9 @@ def sun_at(weather: ClearSky, clock_s: Array) -> Sun:
     relative = atmosphere.get_relative_airmass(found["apparent_zenith"])
     airmass = atmosphere.get_absolute_airmass(relative, atmosphere.alt2pres(place.altitude_m))
     parts = (found["zenith"], found["apparent_zenith"], found["azimuth"], airmass)
-    extra = irradiance.get_extra_radiation(times)
-    return Sun(times, *(np.asarray(part, dtype=float) for part in (*parts, extra)))
+    day_of_year = times.day_of_year.to_numpy()
+    extra = irradiance.get_extra_radiation(day_of_year)
+    return Sun(day_of_year, *(np.asarray(part, dtype=float) for part in (*parts, extra)))
 
 
 def clear(weather: ClearSky, sun: Sun) -> Components:
@@ -104,7 +105,7 @@ def clouded(weather: CloudySky, sun: Sun, found: Components, clock_s: Array) -> 
 
     share = transmittance(weather.clouds, clock_s)
     ghi = share * found.ghi
-    split = irradiance.erbs(ghi, sun.zenith, sun.times)
+    split = irradiance.erbs(ghi, sun.zenith, sun.day_of_year)
     dni, dhi = (np.nan_to_num(np.asarray(split[name], dtype=float)) for name in ("dni", "dhi"))
     open_sky = share == 1.0
     return Components(ghi, np.where(open_sky, found.dni, dni), np.where(open_sky, found.dhi, dhi))

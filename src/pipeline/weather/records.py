@@ -131,7 +131,7 @@ class MeasuredWeather(Record):
 
     kind: Literal["table"] = "table"
     title: str = Field(min_length=1, description="name of the weather, for people")
-    file: str = Field(min_length=1, description="CSV or Parquet file; relative paths start from the working folder")
+    file: str = Field(description="CSV or Parquet file; relative paths start from the working folder")
     longest_gap_s: float = Field(
         default=1800.0, gt=0, description="time for which a row holds; what is missing beyond it counts as dark [s]"
     )
