@@ -83,11 +83,11 @@ def simulate(battery: Battery, mode: Mode, supply: Supply, settings: ChargeSetti
     outcome = run(battery, mode, supply, settings, engine)
     energy = balance(outcome.cell, outcome.book.gains, outcome.start, outcome.run["state"], tuple(battery.pairs))
     return Charge(
-        trace=_trace(outcome, settings.ambient_c),
+        trace=trace(outcome, settings.ambient_c),
         waveform=_waveform(outcome),
         phases=_phases(outcome),
         energy=energy,
-        summary=summarise(outcome, battery, settings, energy, _reason(outcome, -1)),
+        summary=summarise(outcome, battery, settings, energy, reason(outcome, -1)),
     )
 
 
@@ -153,15 +153,16 @@ def _book(program: Program, settings: ChargeSettings, cell: Cell) -> Book:
     marks[:, 0] = 1.0 - np.sort(np.array(settings.soc_marks, dtype=np.float64))
     windows = np.array([(w.start_s, w.start_s + w.length_s) for w in settings.windows], dtype=np.float64).reshape(-1, 2)
     rows = math.ceil(program.stop_elapsed_s / settings.sample_interval_s) + 3
-    return _new_book(rows, len(program.segments), _points(program, windows), marks, windows)
+    return new_book(rows, len(program.segments), _points(program, windows), marks, windows)
 
 
 def _scratch() -> Book:
     """Return a book for the sums of single periods."""
-    return _new_book(0, 0, 0, np.zeros((0, 3)), np.zeros((0, 2)))
+    return new_book(0, 0, 0, np.zeros((0, 3)), np.zeros((0, 2)))
 
 
-def _new_book(samples: int, phases: int, points: int, marks: NDArray[np.float64], windows: NDArray[np.float64]) -> Book:
+def new_book(samples: int, phases: int, points: int, marks: NDArray[np.float64], windows: NDArray[np.float64]) -> Book:
+    """Return an empty book with room for so many rows."""
     gains = PAIR_HEAT + MOST_RELAXATIONS
     return Book(
         samples=np.zeros((samples, SAMPLE_COLUMNS)),
@@ -187,7 +188,8 @@ def _points(program: Program, windows: NDArray[np.float64]) -> int:
     return int(sum(2000 + 80 * (span / min(shortest, span) + 2) + 500 for span in spans))
 
 
-def _reason(outcome: Outcome, row: int) -> str:
+def reason(outcome: Outcome, row: int) -> str:
+    """Return what ended a course, by its row in the book; the courses are those of the outcome's protocol."""
     phases = outcome.book.phases[: outcome.book.filled[1]]
     code, course = int(phases[row, 3]), outcome.protocol.courses[int(phases[row, 7])]
     if code == 2 * LIMITS:
@@ -206,7 +208,8 @@ def _reason(outcome: Outcome, row: int) -> str:
     return f"{'stop: ' if code >= LIMITS else ''}{word} {limits[name]:g}{unit}"
 
 
-def _trace(outcome: Outcome, ambient_c: float) -> Columns:
+def trace(outcome: Outcome, ambient_c: float) -> Columns:
+    """Return the samples as the columns of CHARGE_TRACE."""
     rows = outcome.book.samples[: outcome.book.filled[0]].T
     names = (
         "Test Time / s",
@@ -253,7 +256,7 @@ def _phases(outcome: Outcome) -> Columns:
         "phase": [outcome.protocol.courses[int(course)].name for course in rows[:, 7]],
         "start_s": rows[:, 1].copy(),
         "end_s": rows[:, 2].copy(),
-        "end_reason": [_reason(outcome, row) for row in range(len(rows))],
+        "end_reason": [reason(outcome, row) for row in range(len(rows))],
         "start_soc": 1.0 - rows[:, 4],
         "end_soc": 1.0 - rows[:, 5],
         "end_temperature_c": rows[:, 6] - ZERO_CELSIUS_K,

@@ -13,17 +13,18 @@ from pipeline.charge import checks as charge_checks
 from pipeline.charge.ensemble import EnsembleSettings
 from pipeline.charge.records import ChargeSettings, EngineSettings, Mode
 from pipeline.charge.trade_off_records import TradeOff
-from pipeline.config import panels, searching, staged, switching
+from pipeline.config import daily, panels, searching, staged, switching
 from pipeline.config.compose import Composed, options
 from pipeline.config.messages import explain
 from pipeline.config.sources import Source, attribute, leaves, split
 from pipeline.converter import checks as supply_checks
 from pipeline.converter.records import Load, PowerChain
+from pipeline.day.records import Day
 from pipeline.errors import UserError, best_matches
 from pipeline.grnn.records import NetworkStudy
 from pipeline.objective.records import ReflexFrequency
 from pipeline.objective.staging_records import Staging
-from pipeline.panel.records import Panel, PanelCurveSettings, Weather
+from pipeline.panel.records import Panel, PanelCurveSettings
 from pipeline.published import checks as published_checks
 from pipeline.published.names import found_quantities
 from pipeline.published.network_names import network_quantities
@@ -39,6 +40,7 @@ from pipeline.taguchi.records import Design
 from pipeline.tracker.records import AnyTracker
 from pipeline.tracker.tracking_records import Tracking
 from pipeline.validation.records import Validation
+from pipeline.weather.records import Weather
 
 # Targets of the workflow, and folders of results/ that are not studies.
 RESERVED = frozenset(
@@ -46,6 +48,7 @@ RESERVED = frozenset(
         "all",
         "benchmarks",
         "charges",
+        "day",
         "figures",
         "functions",
         "logs",
@@ -128,6 +131,7 @@ class Study(Record):
     charge: ChargeSettings
     engine: EngineSettings = EngineSettings()
     ensemble: EnsembleSettings = EnsembleSettings(samples=0)
+    day: Day | None = Field(default=None, description="days in the sun, held against each other")
     trade_off: TradeOff | None = Field(default=None, description="charge time against peak temperature")
     chaos: ChaosSettings | None = None
     network: NetworkStudy | None = Field(default=None, description="the network that commands a charger")
@@ -165,7 +169,7 @@ def sections(modes_in_use: tuple[str, ...], calibrations: tuple[str, ...] = ()) 
         *("panel", "weather", "converter", "load", "trackers", "tracking", "battery", "second_battery"),
         *modes,
         *charge,
-        *("objective", "design", "search", "oracle", "network", "trade_off", "functions"),
+        *("objective", "design", "search", "oracle", "network", "trade_off", "functions", "day"),
         *("staging", "validation", *(f"calibrations.{name}" for name in calibrations)),
     )
 
@@ -260,12 +264,13 @@ def _check_together(composed: Composed, study: Study) -> None:
         if study.panel is not None:
             if study.weather is None or study.converter is None or study.load is None:
                 raise UserError("panel: a study with a panel needs weather, converter and load")
-            power = study.panel.approximate_power_w(study.weather.irradiance_w_m2, study.weather.cell_temperature_c)
+            power = study.panel.approximate_power_w(*daily.brightest(study.weather))
             voltage = study.panel.max_power_voltage_v * study.panel.panels_in_series
             supply_checks.check(power, voltage, study.converter, study.load)
         staged.check(study)
         searching.check(study)
         switching.check(study)
+        daily.check(study)
         tables = {path.stem for path in reference_tables()}
         if study.design is not None and study.design.printed not in {None, *tables}:
             printed = str(study.design.printed)

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from pipeline import (
     schemas,
+    schemas_day,
     schemas_functions,
     schemas_network,
     schemas_staging,
@@ -48,6 +49,7 @@ FILES: dict[str, tuple[str, tables.Table]] = {
     "statistics": ("statistics.parquet", schemas.SEARCH_STATISTICS),
     "comparison": ("comparison.parquet", schemas.SEARCH_COMPARISON),
     **schemas_switched.FILES,
+    **schemas_day.FILES,
     **schemas_validation.FILES,
     **schemas_supply.FILES,
     **{table: found for (_, table), found in schemas_network.ARTEFACTS.items()},

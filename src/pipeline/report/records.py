@@ -132,6 +132,12 @@ class CircuitOptions(Record):
     mode: str = Field(default="cv_reflex", min_length=1, description="mode whose discharge the resistor is drawn for")
 
 
+class DayBarsOptions(Record):
+    """Days in the sun, split into parts."""
+
+    quantity: Literal["energy", "time"] = Field(default="energy", description="what the bars split")
+
+
 DRAWINGS: dict[str, type[Record]] = {
     "algorithm": NoOptions,
     "array_against_factorial": NoOptions,
@@ -142,6 +148,8 @@ DRAWINGS: dict[str, type[Record]] = {
     "circuit": CircuitOptions,
     "convergence": ConvergenceOptions,
     "control_loop": NoOptions,
+    "day_bars": DayBarsOptions,
+    "day_course": NoOptions,
     "energy": NoOptions,
     "enlarged": EnlargedOptions,
     "frequency_map": NoOptions,
@@ -184,7 +192,7 @@ DRAWINGS: dict[str, type[Record]] = {
 Read = Literal[
     "modes", "system", "algorithm", "battery", "stage_search", "panel", "supply", "chaos", "objective", "tuning",
     "search", "surface", "network", "network_size", "network_kernels", "functions", "charge", "switched", "trade_off",
-    "staging_search", "staging", "front", "second_charge", "tracking", "validation",
+    "weather", "day", "staging_search", "staging", "front", "second_charge", "tracking", "validation",
 ]  # fmt: skip
 """What a figure may read."""
 

@@ -8,7 +8,7 @@ from typing import Any
 
 from pipeline import schemas, tables
 from pipeline.published.reference import REFERENCE
-from pipeline.report import second_cell, supply_sections
+from pipeline.report import day_tables, second_cell, supply_sections
 from pipeline.report import tables as report_tables
 from pipeline.report.data import ReportData
 from pipeline.report.function_tables import function_tables
@@ -30,14 +30,14 @@ def run(settings: Mapping[str, Any], inputs: Mapping[str, Path], output: Path) -
     verdicts = _verdicts(inputs)
     shown = _tables(data, inputs)
     figures = {card["name"]: _figure(card, inputs[f"figure/{card['name']}"]) for card in settings["figures"]}
-    of_second, of_trade_off, of_checks, of_supply = (
-        _reading(settings["figures"], step) for step in ("second_charge", "trade_off", "validation", "tracking")
-    )
-    apart = {*of_second, *of_trade_off, *of_checks, *of_supply}
+    parts = ("second_charge", "trade_off", "validation", "tracking", "day")
+    of_second, of_trade_off, of_checks, of_supply, of_day = (_reading(settings["figures"], step) for step in parts)
+    apart = {*of_second, *of_trade_off, *of_checks, *of_supply, *of_day}
     sections = _worth(data, inputs, [figures[name] for name in of_trade_off])
     sections += _second(data, inputs, verdicts, [figures[name] for name in of_second])
     sections += validation_sections(data, settings.get("checks", ()), _by_check(settings["figures"], figures))
     sections += supply_sections.sections(data, [figures[name] for name in of_supply])
+    sections += _days(data, [figures[name] for name in of_day])
     listed = parameters(settings["parameters"])
     study, searched = settings["study"], settings.get("searched")
     notes = [*_departure(settings["overrides"]), *beyond_range(data, tuple(searched) if searched else None)]
@@ -112,6 +112,15 @@ def _second(
         shown.insert(0, second_cell.statements(verdicts, others, data.cells))
     text = second_cell.summary(verdicts, others, data.cells)
     return [PageSection("second-cell", "Where the second cell differs", text, shown, figures)]
+
+
+def _days(data: ReportData, figures: list[PageFigure]) -> list[PageSection]:
+    """Return the section on days in the sun; none where the run has none."""
+    if not day_tables.weathers(data):
+        return []
+    shown = [day_tables.numbers(data), day_tables.switchings(data)]
+    title = f"From sun to battery: {data.settings['day']['title']}"
+    return [PageSection("days-in-the-sun", title, day_tables.text(data), shown, figures)]
 
 
 def _verdicts(inputs: Mapping[str, Path], name: str = "verdicts") -> dict[str, Any]:
