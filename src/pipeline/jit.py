@@ -52,7 +52,8 @@ def by_address(signature: Any, function: Callable[..., None]) -> Any:
 
 
 def _compile(function: F, **options: bool) -> F:
-    return cast(F, numba.njit(**_settings(function), **options)(function))
+    settings = _settings(function) | options
+    return cast(F, numba.njit(**settings)(function))
 
 
 def _settings(function: Callable[..., Any]) -> dict[str, Any]:

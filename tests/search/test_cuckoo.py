@@ -3,12 +3,11 @@
 from __future__ import annotations
 
 import itertools
-import math
 
 import numpy as np
 import pytest
 from pydantic import ValidationError
-from scipy.stats import ks_2samp
+from scipy.stats import chisquare, ks_2samp
 
 from pipeline.search import levy, moves, nests
 from pipeline.search.algorithms import cuckoo
@@ -102,10 +101,8 @@ def test_only_what_is_no_worse_is_kept():
 @pytest.mark.parametrize("changes", VARIANTS.values(), ids=VARIANTS)
 def test_a_compiled_objective_takes_the_course_of_any_other_bit_for_bit(changes, placement):
     for name in ("ackley", "rosenbrock"):
-        objective = problem(name, placement, 3, 0.4, 1).objective
-        compiled, called = (
-            replicated(one, settings(**changes, generations=70), 7) for one in (objective, lambda x: objective(x))
-        )
+        objective, chosen = problem(name, placement, 3, 0.4, 1).objective, settings(**changes, generations=70)
+        compiled, called = replicated(objective, chosen, 7), replicated(objective.__call__, chosen, 7)
         for one, other in zip(compiled, called, strict=True):
             np.testing.assert_array_equal(one, other)
 
@@ -193,6 +190,13 @@ def test_the_levy_numbers_are_those_of_three_normal_numbers(exponent):
     assert np.all(np.isfinite(levy.levy_numbers(np.full((4, 1, 1), 0.0), exponent)))
     middle = np.array([0.0, 0.0, 0.5, 0.5]).reshape(4, 1, 1)
     assert np.all(np.isfinite(levy.levy_numbers(middle, exponent))), "nothing over nothing"
+
+
+def test_every_order_of_the_partners_is_as_likely():
+    orders = levy.permutations(np.random.default_rng(5).random((60_000, 4)))
+    counts = np.unique(orders, axis=0, return_counts=True)[1]
+    assert len(counts) == 24
+    assert chisquare(counts).pvalue > 0.01
 
 
 def test_partners_are_permutations_and_numbers_uniform():

@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 
 from pipeline.jit import jit
 from pipeline.search.half_turns import sine
+from pipeline.search.splitmix import uniform
 from pipeline.search.streams import Generators
 
 Array = NDArray[np.float64]
@@ -50,7 +51,7 @@ def draws(nests: int, dimensions: int, exponent: float, random: Generators) -> I
         yield Draws(*(np.stack(part) if len(part) > 1 else part[0][None] for part in zip(*blocks, strict=True)))
 
 
-def levy_numbers(uniform: Array, exponent: float) -> Array:
+def levy_numbers(drawn: Array, exponent: float) -> Array:
     """Return Levy numbers times normal ones, u w / |v|^(1/exponent), from four uniform numbers each.
 
     After Box and Muller, Ann. Math. Stat. 29 (1958) 610, DOI 10.1214/aoms/1177706645: with an exponential number E and
@@ -58,16 +59,16 @@ def levy_numbers(uniform: Array, exponent: float) -> Array:
 
     Arguments
     ---------
-    uniform : in [0, 1), shape (4, ...).
+    drawn : uniform in [0, 1), shape (4, ...).
     exponent : of the Levy law, between 1 and 2.
 
     Returns
     -------
     Shape (...).
     """
-    exponential = np.log1p(-uniform[:2])
-    product, square = np.empty(uniform.shape[1:]), np.empty(uniform.shape[1:])
-    _normal(exponential.reshape(2, -1), uniform[2:].reshape(2, -1), product.reshape(-1), square.reshape(-1))
+    exponential = np.log1p(-drawn[:2])
+    product, square = np.empty(drawn.shape[1:]), np.empty(drawn.shape[1:])
+    _normal(exponential.reshape(2, -1), drawn[2:].reshape(2, -1), product.reshape(-1), square.reshape(-1))
     np.power(square, -0.5 / exponent, out=square)
     product *= mantegna_deviation(exponent)
     product *= square
@@ -83,10 +84,22 @@ def _normal(minus_exponential: Array, angle: Array, product: Array, square: Arra
         square[i] = max(-2.0 * minus_exponential[1, i] * half_width * half_width, _SMALLEST)
 
 
+@jit
+def permutations(drawn: Array) -> NDArray[np.int64]:
+    """Return a permutation of 0 to n - 1 for each row of n uniform numbers (Fisher and Yates), shape (m, n)."""
+    order = np.empty(drawn.shape, dtype=np.int64)
+    for row in range(order.shape[0]):
+        for place in range(order.shape[1]):
+            order[row, place] = place
+        for place in range(order.shape[1] - 1, 0, -1):
+            other = int(drawn[row, place] * (place + 1))
+            order[row, place], order[row, other] = order[row, other], order[row, place]
+    return order
+
+
 def _block(
     nests: int, dimensions: int, exponent: float, rng: np.random.Generator
 ) -> tuple[Array, NDArray[np.int64], Array, Array]:
-    shape = (BLOCK, nests, dimensions)
-    uniform = rng.random((5, *shape))
-    order = np.broadcast_to(np.arange(nests, dtype=np.int64), (BLOCK, 2, nests))
-    return levy_numbers(uniform[:4], exponent), rng.permuted(order, axis=-1), rng.random(shape[:-1]), uniform[4]
+    coordinates = uniform(rng, (5, BLOCK, nests, dimensions))
+    partners = permutations(uniform(rng, (2 * BLOCK, nests))).reshape(BLOCK, 2, nests)
+    return levy_numbers(coordinates[:4], exponent), partners, uniform(rng, (BLOCK, nests)), coordinates[4]
