@@ -24,13 +24,13 @@ class Compiled:
 
     def __init__(self, kernel: Kernel, numbers: Array) -> None:
         self._kernel = kernel
-        self._jitted = jit(kernel)
+        self.jitted = jit(kernel)
         self.numbers = np.ascontiguousarray(numbers, dtype=np.float64)
 
     def __call__(self, positions: Array) -> Array:
         """Return the values (n,) of positions (n, d)."""
         values = np.empty(len(positions))
-        self._jitted(self.numbers, np.ascontiguousarray(positions, dtype=np.float64), values)
+        self.jitted(self.numbers, np.ascontiguousarray(positions, dtype=np.float64), values)
         return values
 
     @cached_property

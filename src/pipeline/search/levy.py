@@ -19,7 +19,7 @@ from pipeline.search.streams import Generators
 
 Array = NDArray[np.float64]
 
-BLOCK = 32  # generations drawn at once; fixed, so that a longer search begins like a shorter one
+BLOCK = 60  # generations drawn at once; fixed, so that a longer search begins like a shorter one
 _SMALLEST = 1e-300
 
 
@@ -66,11 +66,15 @@ def levy_numbers(drawn: Array, exponent: float) -> Array:
     -------
     Shape (...).
     """
-    exponential = np.log1p(-drawn[:2])
+    # 1 - u is never zero. Logarithm and exponential together take numpy less time than a power.
+    minus_exponential = np.subtract(1.0, drawn[:2])
+    np.log(minus_exponential, out=minus_exponential)
     product, square = np.empty(drawn.shape[1:]), np.empty(drawn.shape[1:])
-    _normal(exponential.reshape(2, -1), drawn[2:].reshape(2, -1), product.reshape(-1), square.reshape(-1))
-    np.power(square, -0.5 / exponent, out=square)
-    product *= mantegna_deviation(exponent)
+    _normal(minus_exponential.reshape(2, -1), drawn[2:].reshape(2, -1), product.reshape(-1), square.reshape(-1))
+    np.log(square, out=square)
+    square *= -0.5 / exponent
+    np.exp(square, out=square)
+    square *= mantegna_deviation(exponent)
     product *= square
     return product
 
@@ -87,11 +91,12 @@ def _normal(minus_exponential: Array, angle: Array, product: Array, square: Arra
 @jit
 def permutations(drawn: Array) -> NDArray[np.int64]:
     """Return a permutation of 0 to n - 1 for each row of n uniform numbers (Fisher and Yates), shape (m, n)."""
-    order = np.empty(drawn.shape, dtype=np.int64)
-    for row in range(order.shape[0]):
-        for place in range(order.shape[1]):
+    rows, count = drawn.shape
+    order = np.empty((rows, count), dtype=np.int64)
+    for row in range(rows):
+        for place in range(count):
             order[row, place] = place
-        for place in range(order.shape[1] - 1, 0, -1):
+        for place in range(count - 1, 0, -1):
             other = int(drawn[row, place] * (place + 1))
             order[row, place], order[row, other] = order[row, other], order[row, place]
     return order

@@ -14,7 +14,7 @@ from pipeline.search.levy import BLOCK, draws
 from pipeline.search.stability import is_ringing, is_stable, steady_state_error, step_poles
 from pipeline.search.streams import generators
 
-_GENERATIONS = 384
+_GENERATIONS = 420
 
 
 def quantities(study: FunctionStudy, seed: int) -> list[Quantity]:
