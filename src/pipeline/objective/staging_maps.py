@@ -1,4 +1,4 @@
-"""What a stage makes of the state it begins with, tabulated over its current: staged charges at the price of a few sums.
+"""What a stage makes of the state it begins with, tabulated over its current: a staged charge for a few sums.
 
 Under a constant current the voltage v of a pair at the end of a stage is linear in that at its start; the temperature
 rise is linear in its own start and of the second degree in the voltages:

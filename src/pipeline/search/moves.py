@@ -43,6 +43,12 @@ class Nests(NamedTuple):
     leader: NDArray[np.int64]
     """Best nest of each replicate, shape (r,)."""
 
+    def of(self, replicates: slice) -> Nests:
+        """Return the nests of some replicates, the same in memory."""
+        return Nests(
+            self.position[replicates], self.value[replicates], self.integral[replicates], self.leader[replicates]
+        )
+
 
 class Course(NamedTuple):
     """The best nest of each replicate, row by row, t rows."""

@@ -75,7 +75,7 @@ class Search:
         done : generations before.
         """
         weights, those = self._weights[done : done + BLOCK], slice(first, first + len(drawn.levy))
-        nests, course = Nests(*(part[those] for part in self.nests)), Course(*(part[those] for part in self.course))
+        nests, course = self.nests.of(those), Course(*(part[those] for part in self.course))
         if isinstance(self._objective, Compiled):
             own = self._objective
             advance(own.address, own.numbers, self._law, weights, drawn, nests, course, done + 1)
