@@ -110,7 +110,8 @@ def _plan_file(config: Mapping[str, Any], results: Path, asked: Collection[str])
         return planfile.save(make_plan(expand(split_overrides(str(overrides))), asked), results)
     studies = options("study")
     wanted = [name for name in studies if name in asked] if asked and set(asked) <= set(studies) else studies
-    return planfile.save(make_plan([[f"study={name}"] for name in wanted], asked), results)
+    # Snakemake may not tell what was asked for while it reads the workflow: then anything may have been.
+    return planfile.save(make_plan([[f"study={name}"] for name in wanted], asked or None), results)
 
 
 def split_overrides(text: str) -> list[str]:
