@@ -181,7 +181,7 @@ DRAWINGS: dict[str, type[Record]] = {
 Read = Literal[
     "modes", "system", "algorithm", "battery", "stage_search", "panel", "supply", "chaos", "objective", "tuning",
     "search", "surface", "network", "network_size", "network_kernels", "functions", "charge", "switched", "trade_off",
-    "staging_search", "staging", "front", "second_charge", "validation",
+    "staging_search", "staging", "front", "validation", "second_charge",
 ]  # fmt: skip
 """What a figure may read."""
 

@@ -12,6 +12,7 @@ from pipeline.report import second_cell
 from pipeline.report import tables as report_tables
 from pipeline.report.data import ReportData
 from pipeline.report.function_tables import function_tables
+from pipeline.report.missed import missed
 from pipeline.report.network_tables import network_tables
 from pipeline.report.pages import PageContent, PageFigure, PageSection, Paper, render
 from pipeline.report.parameters import parameters
@@ -38,7 +39,11 @@ def run(settings: Mapping[str, Any], inputs: Mapping[str, Path], output: Path) -
     sections += validation_sections(data, settings.get("checks", ()), _by_check(settings["figures"], figures))
     listed = parameters(settings["parameters"])
     study, searched = settings["study"], settings.get("searched")
-    notes = [*_departure(settings["overrides"]), *beyond_range(data, tuple(searched) if searched else None)]
+    notes = [
+        *_departure(settings["overrides"]),
+        *missed(data),
+        *beyond_range(data, tuple(searched) if searched else None),
+    ]
     page = PageContent(
         title=study["title"],
         subtitle=" ".join([f"{study['question']} {settings['battery']}.", *notes]),
