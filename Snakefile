@@ -17,6 +17,11 @@ container: "docker://python:3.11-slim"
 include: "workflow/common.smk"
 
 
+# A charge that did not get where it was to go says so at the end, and on its page.
+onsuccess:
+    flow.tell(),
+
+
 rule all:
     input:
         flow.target("all"),

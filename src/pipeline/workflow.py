@@ -50,6 +50,13 @@ class Workflow:
         named = {target for card in cards for target in card.get("on_request", ())}
         return sorted(named & set(self.plan["targets"]))
 
+    def tell(self) -> None:
+        """Print which charges did not reach what they were to reach."""
+        from pipeline.unreached import unreached
+
+        for line in unreached(self.plan, self.results):
+            print(line)
+
     def needs(self, chunk: str) -> list[str]:
         """Return the receipts that must be there before a chunk runs."""
         return [self._receipt(name) for name in self.plan["chunks"][chunk]["needs"]]

@@ -45,7 +45,7 @@ def findings(view: Path) -> Iterator[tuple[str, list[dict[str, Any]]]]:
 
 
 def exit_code(found: Mapping[str, Sequence[Mapping[str, Any]]]) -> int:
-    """Return 1 where a row of any check is broken or a check has no rows; a peer not installed breaks nothing."""
+    """Return 1 where a row of any check is broken, or a check has no rows; a peer not installed breaks nothing."""
     return int(any(not rows or any(row["finding"] == BROKEN for row in rows) for rows in found.values()))
 
 

@@ -256,7 +256,8 @@ def _unused(path: str, values: Mapping[str, Any]) -> bool:
 def _check_together(composed: Composed, study: Study) -> None:
     """Check what no record can check alone."""
     with _explained(composed):
-        for name in study.modes:
+        # A mode may take its values from another: the one that an override changed is told first.
+        for name in sorted(study.modes, key=lambda name: not _overridden(composed, f"modes.{name}")):
             with _below(composed, f"modes.{name}"):
                 charge_checks.check(study.battery, study.modes[name], study.charge)
                 if study.second_battery is not None:
@@ -317,13 +318,18 @@ def _numbers(study: Study) -> dict[str, set[str]]:
     return numbers | staged.quantities(study) | ({} if study.network is None else network_quantities())
 
 
+def _overridden(composed: Composed, path: str) -> list[str]:
+    """Return the overrides below a key path."""
+    return [word for word in composed.overrides if word.lstrip("+").startswith(f"{path}.")]
+
+
 @contextmanager
 def _below(composed: Composed, path: str) -> Iterator[None]:
     """Put a key path before the message of a check, and the overrides below it, which are the likely cause."""
     try:
         yield
     except (UserError, ValueError) as error:
-        words = [word for word in composed.overrides if word.lstrip("+").startswith(f"{path}.")]
+        words = _overridden(composed, path)
         cause = f"override {' '.join(words)}: " if words else ""
         raise UserError(f"{cause}{path}.{error}") from None
 

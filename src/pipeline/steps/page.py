@@ -12,6 +12,7 @@ from pipeline.report import day_tables, second_cell, supply_sections
 from pipeline.report import tables as report_tables
 from pipeline.report.data import ReportData
 from pipeline.report.function_tables import function_tables
+from pipeline.report.missed import missed
 from pipeline.report.network_tables import network_tables
 from pipeline.report.pages import PageContent, PageFigure, PageSection, Paper, render
 from pipeline.report.parameters import parameters
@@ -40,7 +41,11 @@ def run(settings: Mapping[str, Any], inputs: Mapping[str, Path], output: Path) -
     sections += _days(data, [figures[name] for name in of_day])
     listed = parameters(settings["parameters"])
     study, searched = settings["study"], settings.get("searched")
-    notes = [*_departure(settings["overrides"]), *beyond_range(data, tuple(searched) if searched else None)]
+    notes = [
+        *_departure(settings["overrides"]),
+        *missed(data),
+        *beyond_range(data, tuple(searched) if searched else None),
+    ]
     page = PageContent(
         title=study["title"],
         subtitle=" ".join([f"{study['question']} {settings['battery']}.", *notes]),
