@@ -136,6 +136,7 @@ DRAWINGS: dict[str, type[Record]] = {
     "convergence": ConvergenceOptions,
     "control_loop": NoOptions,
     "energy": NoOptions,
+    "efficiency_map": NoOptions,
     "enlarged": EnlargedOptions,
     "frequency_map": NoOptions,
     "function_convergence": FunctionConvergenceOptions,
@@ -175,7 +176,7 @@ DRAWINGS: dict[str, type[Record]] = {
 Read = Literal[
     "modes", "system", "algorithm", "battery", "stage_search", "panel", "supply", "chaos", "objective", "tuning",
     "search", "surface", "network", "network_size", "network_kernels", "functions", "charge", "switched", "trade_off",
-    "staging_search", "staging", "front", "second_charge", "tracking",
+    "staging_search", "staging", "front", "second_charge", "tracking", "converters",
 ]  # fmt: skip
 """What a figure may read."""
 

@@ -29,13 +29,12 @@ def run(settings: Mapping[str, Any], inputs: Mapping[str, Path], output: Path) -
     verdicts = _verdicts(inputs)
     shown = _tables(data, inputs)
     figures = {card["name"]: _figure(card, inputs[f"figure/{card['name']}"]) for card in settings["figures"]}
-    of_second, of_trade_off, of_supply = (
-        _reading(settings["figures"], step) for step in ("second_charge", "trade_off", "tracking")
-    )
-    apart = {*of_second, *of_trade_off, *of_supply}
+    of_second, of_trade_off = (_reading(settings["figures"], step) for step in ("second_charge", "trade_off"))
+    of_supply = [_reading(settings["figures"], step) for step in ("tracking", "converters")]
+    apart = {*of_second, *of_trade_off, *of_supply[0], *of_supply[1]}
     sections = _worth(data, inputs, [figures[name] for name in of_trade_off])
     sections += _second(data, inputs, verdicts, [figures[name] for name in of_second])
-    sections += supply_sections.sections(data, [figures[name] for name in of_supply])
+    sections += supply_sections.sections(data, *([figures[name] for name in names] for names in of_supply))
     listed = parameters(settings["parameters"])
     study, searched = settings["study"], settings.get("searched")
     notes = [*_departure(settings["overrides"]), *beyond_range(data, tuple(searched) if searched else None)]
