@@ -24,14 +24,17 @@ from pipeline.record import Record
 from pipeline.search_phases import FINDERS, SECTION_OF, finders
 from pipeline.staging_phases import staging, used_settings
 from pipeline.switched_phases import switched
-from pipeline.tracking_phases import tracking, tracking_titles
+from pipeline.tracking_phases import converters, tracking, tracking_titles
 from pipeline.trade_off_phases import trade_offs
 from pipeline.validation_phases import headings, validation
 
 
 def drafts(study: Study) -> list[Draft]:
     """Return the nodes of a study, inputs before those that read them."""
-    parts = [_supply, tracking, finders, network, staging, _charges, _ensemble, trade_offs, switched, days]
+    parts = [
+        *(_supply, tracking, converters, finders, network, staging),
+        *(_charges, _ensemble, trade_offs, switched, days),
+    ]
     # A study of the engine itself charges nothing beside its checks.
     parts = parts if study.validation is None else [validation]
     nodes = [with_found(node) for part in parts for node in part(study)]
@@ -87,8 +90,10 @@ def _supply(study: Study) -> Iterator[Draft]:
 
 
 def _averaged(study: Study) -> PowerChain | None:
-    """Return the converters without their switches, which the powers of hours do not depend on."""
-    return study.converter and study.converter.model_copy(update={"switched": None})
+    """Return the converters without the parts that the powers of hours do not depend on."""
+    if study.converter is None or study.converter.of_parts:
+        return study.converter
+    return study.converter.model_copy(update={"switched": None, "losses": None})
 
 
 def _charges(study: Study) -> Iterator[Draft]:
@@ -321,8 +326,8 @@ def _named(records: Mapping[str, Record]) -> list[dict[str, Any]]:
 _SHOWN = frozenset(
     {
         *("panel", "supply", "chaos", "objective", "tuning", "search", *NETWORK_STEPS, "functions", "charge"),
-        *("weather", "day", "switched", "tracking", "validation", "trade_off", "staging_search", "staging", "front"),
-        *("verdicts", "figures"),
+        *("weather", "day", "switched", "tracking", "converters", "validation", "trade_off", "staging_search"),
+        *("staging", "front", "verdicts", "figures"),
     }
 )
 

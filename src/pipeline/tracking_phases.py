@@ -1,4 +1,4 @@
-"""The node that tries the trackers."""
+"""The nodes that try the trackers, and that look at the converters by their parts."""
 
 from __future__ import annotations
 
@@ -33,6 +33,28 @@ def tracking(study: Study) -> Iterator[Draft]:
         inputs={"panel": "panel"},
         sections=("panel", "converter", "trackers", "tracking"),
         shown={f"{part}.parquet": f"tracking/{part}.parquet" for part in _TABLES},
+    )
+
+
+def converters(study: Study) -> Iterator[Draft]:
+    """Yield the node, where the converters are given by their parts and losses."""
+    panel, chain = study.panel, study.converter
+    if panel is None or chain is None or chain.switched is None or chain.losses is None:
+        return
+    panels = panel.panels_in_series * panel.panels_in_parallel
+    yield Draft(
+        "converters",
+        "converters",
+        study.study.name,
+        plain(
+            {
+                "converter": chain.model_copy(update={"title": "converters"}),
+                "panel_voltage_v": panel.string_voltage_v,
+                "panel_power_w": panel.max_power_voltage_v * panel.max_power_current_a * panels,
+            }
+        ),
+        sections=("panel", "converter"),
+        shown={f"{part}.parquet": f"converters/{part}.parquet" for part in ("efficiency", "check", "quantities")},
     )
 
 

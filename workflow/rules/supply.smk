@@ -48,3 +48,20 @@ rule try_trackers:
         "Trackers: ramps, days, shadows: {wildcards.chunk}"
     shell:
         flow.command("tracking")
+
+
+rule look_at_converters:
+    input:
+        lambda wildcards: flow.needs(wildcards.chunk),
+    output:
+        flow.receipt("converters"),
+    log:
+        flow.log("converters"),
+    benchmark:
+        flow.benchmark("converters")
+    params:
+        again=again("look_at_converters"),
+    message:
+        "Converters: efficiency over load: {wildcards.chunk}"
+    shell:
+        flow.command("converters")

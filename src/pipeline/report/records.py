@@ -151,6 +151,7 @@ DRAWINGS: dict[str, type[Record]] = {
     "day_bars": DayBarsOptions,
     "day_course": NoOptions,
     "energy": NoOptions,
+    "efficiency_map": NoOptions,
     "enlarged": EnlargedOptions,
     "frequency_map": NoOptions,
     "function_convergence": FunctionConvergenceOptions,
@@ -192,7 +193,7 @@ DRAWINGS: dict[str, type[Record]] = {
 Read = Literal[
     "modes", "system", "algorithm", "battery", "stage_search", "panel", "supply", "chaos", "objective", "tuning",
     "search", "surface", "network", "network_size", "network_kernels", "functions", "charge", "switched", "trade_off",
-    "weather", "day", "staging_search", "staging", "front", "second_charge", "tracking", "validation",
+    "weather", "day", "staging_search", "staging", "front", "second_charge", "tracking", "converters", "validation",
 ]  # fmt: skip
 """What a figure may read."""
 

@@ -4,18 +4,19 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
+from pipeline.report.converter_tables import converter_check, converter_table, converter_text
 from pipeline.report.data import ReportData
 from pipeline.report.pages import PageFigure, PageSection, prose
 from pipeline.report.supply_tables import panel_fit, tracking_tables, tracking_text
 
 
-def sections(data: ReportData, figures: Sequence[PageFigure]) -> list[PageSection]:
-    """Return the sections on the panel's model and the trackers; none where the run has no panel.
+def sections(data: ReportData, trackers: Sequence[PageFigure], converters: Sequence[PageFigure]) -> list[PageSection]:
+    """Return the sections on the panel's model, trackers and converters; none where the run has no panel.
 
     Arguments
     ---------
     data : the run's artefacts.
-    figures : those that show the trackers.
+    trackers, converters : the figures that show them.
     """
     if not data.holds("panel", "panel_fit"):
         return []
@@ -23,5 +24,8 @@ def sections(data: ReportData, figures: Sequence[PageFigure]) -> list[PageSectio
     found = [PageSection("panel-model", "The panel and its model", text, [panel_fit(data)])]
     if "tracking" in data.inputs:
         tables = tracking_tables(data)
-        found.append(PageSection("trackers-tried", "The trackers", prose(tracking_text(data)), tables, figures))
+        found.append(PageSection("trackers-tried", "The trackers", prose(tracking_text(data)), tables, trackers))
+    if "converters" in data.inputs:
+        shown = [converter_table(data), converter_check(data)]
+        found.append(PageSection("converters-by-load", "The converters", converter_text(data), shown, converters))
     return found
