@@ -24,12 +24,13 @@ from pipeline.record import Record
 from pipeline.search_phases import FINDERS, SECTION_OF, finders
 from pipeline.staging_phases import staging, used_settings
 from pipeline.switched_phases import switched
+from pipeline.tracking_phases import converters, tracking, tracking_titles
 from pipeline.trade_off_phases import trade_offs
 
 
 def drafts(study: Study) -> list[Draft]:
     """Return the nodes of a study, inputs before those that read them."""
-    parts = (_supply, finders, network, staging, _charges, _ensemble, trade_offs, switched, days)
+    parts = (_supply, tracking, converters, finders, network, staging, _charges, _ensemble, trade_offs, switched, days)
     nodes = [with_found(node) for part in parts for node in part(study)]
     nodes = needed(nodes, FINDERS)
     nodes += functions(study)
@@ -83,8 +84,10 @@ def _supply(study: Study) -> Iterator[Draft]:
 
 
 def _averaged(study: Study) -> PowerChain | None:
-    """Return the converters without their switches, which the powers of hours do not depend on."""
-    return study.converter and study.converter.model_copy(update={"switched": None})
+    """Return the converters without the parts that the powers of hours do not depend on."""
+    if study.converter is None or study.converter.of_parts:
+        return study.converter
+    return study.converter.model_copy(update={"switched": None, "losses": None})
 
 
 def _charges(study: Study) -> Iterator[Draft]:
@@ -302,6 +305,8 @@ def _configured(study: Study, reads: Iterable[str]) -> dict[str, Any]:
         found["day"] = day_labels(study)
     if "battery" in reads:
         found["battery"] = plain(study.battery)
+    if "tracking" in reads:
+        found["tracking"] = tracking_titles(study)
     if "stage_search" in reads:
         found["stage_search"] = used_settings(study)
     return found
@@ -315,7 +320,8 @@ def _named(records: Mapping[str, Record]) -> list[dict[str, Any]]:
 _SHOWN = frozenset(
     {
         *("panel", "supply", "chaos", "objective", "tuning", "search", *NETWORK_STEPS, "functions", "charge"),
-        *("weather", "day", "switched", "trade_off", "staging_search", "staging", "front", "verdicts", "figures"),
+        *("weather", "day", "switched", "tracking", "converters", "trade_off", "staging_search", "staging", "front"),
+        *("verdicts", "figures"),
     }
 )
 
@@ -333,7 +339,7 @@ def _page(study: Study, nodes: list[Draft]) -> Iterator[Draft]:
             "parameters": _parameters(study, {node.step for node in nodes}),
             "command": command(study.study.name, study.overrides),
             "overrides": list(study.overrides),
-            "settings": _configured(study, ("trade_off", "day")),
+            "settings": _configured(study, ("trade_off", "tracking", "day")),
             **_labels(study),
             **_searched(study, nodes),
             **(_cells(study) if study.second_battery is not None else {}),

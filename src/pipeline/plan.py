@@ -34,6 +34,8 @@ STEP_FILES: dict[str, tuple[str, ...]] = {
 CHUNK_SIZE = {
     "panel": (1, 16),
     "supply": (1, 64),
+    "tracking": (1, 8),
+    "converters": (1, 8),
     "chaos": (1, 8),
     "objective": (1, 32),
     "tuning": (1, 4),
@@ -59,7 +61,7 @@ CHUNK_SIZE = {
 }
 PUBLISH_SIZE = 32
 TARGETS = {
-    "panel": ("panel", "supply"),
+    "panel": ("panel", "supply", "tracking", "converters"),
     "tuning": ("tuning",),
     "search": ("chaos", "objective", "search"),
     "network": ("surface", "network", "network_size", "network_kernels"),

@@ -14,7 +14,7 @@ from pipeline.errors import UserError
 VERSION = 1
 # The order of the steps; a chunk needs only chunks of earlier steps.
 STEPS = (
-    "panel", "supply", "chaos", "objective", "tuning", "search",
+    "panel", "supply", "tracking", "converters", "chaos", "objective", "tuning", "search",
     "surface", "network", "network_size", "network_kernels",
     "staging_search", "function_runs", "staging", "front", "functions",
     "engine", "charge", "switched", "ensemble", "trade_off", "weather", "daylight", "day", "verdicts", "figures",

@@ -78,6 +78,39 @@ SHADING_ENDS = Table(
         Column("searched_s", "s", "time until it stays within 2 % of where it ends"),
     ),
 )
+EFFICIENCY_MAP = Table(
+    "efficiency_map",
+    "Both converters by their parts, a row per converter, voltage and load",
+    (
+        Column("converter", "", "boost or buck", "text"),
+        Column("source_v", "V", "voltage at the input"),
+        Column("sink_v", "V", "voltage at the output"),
+        Column("power_w", "W", "power at the input"),
+        Column("efficiency", "1", "output power over input power"),
+        Column("conduction_efficiency", "1", "the same with the conduction losses of this load alone"),
+        Column("duty", "1", "duty"),
+        Column("ripple_a", "A", "ripple of the inductor current, peak to peak"),
+        Column("switch_w", "W", "conduction of the switch"),
+        Column("rectifier_w", "W", "conduction of the rectifier"),
+        Column("winding_w", "W", "resistance of the inductor"),
+        Column("capacitor_w", "W", "series resistance of the output capacitor"),
+        Column("switching_w", "W", "edges, capacitance of the switch node, gate"),
+        Column("core_w", "W", "core of the inductor"),
+        Column("control_w", "W", "controller"),
+    ),
+)
+SWITCHED_CHECK = Table(
+    "switched_check",
+    "Conduction losses of the averaged converters beside those switch by switch, a row per converter and load",
+    (
+        Column("converter", "", "boost or buck", "text"),
+        Column("source_v", "V", "voltage at the input"),
+        Column("sink_v", "V", "voltage at the output"),
+        Column("power_w", "W", "power at the input"),
+        Column("averaged", "1", "efficiency of the averaged converter without other losses"),
+        Column("switched", "1", "the same switch by switch"),
+    ),
+)
 
 ARTEFACTS: dict[tuple[str, str], tuple[str, Table]] = {
     ("panel", "fit"): ("fit.parquet", PANEL_FIT),
@@ -86,13 +119,12 @@ ARTEFACTS: dict[tuple[str, str], tuple[str, Table]] = {
     ("tracking", "day"): ("day.parquet", TRACKING_DAY),
     ("tracking", "shading_curves"): ("shading_curves.parquet", SHADING_CURVES),
     ("tracking", "shading_ends"): ("shading_ends.parquet", SHADING_ENDS),
+    ("converters", "efficiency"): ("efficiency.parquet", EFFICIENCY_MAP),
+    ("converters", "check"): ("check.parquet", SWITCHED_CHECK),
+    ("converters", "quantities"): ("quantities.parquet", QUANTITIES),
     ("tracking", "quantities"): ("quantities.parquet", QUANTITIES),
 }
 """(input, table) -> file and declaration, as statements and figures read them."""
 
-FILES = {
-    name if of in name else f"{of}_{name}": (file, table)
-    for (of, name), (file, table) in ARTEFACTS.items()
-    if table is not QUANTITIES
-}
+FILES = {f"{of}_{name}": (file, table) for (of, name), (file, table) in ARTEFACTS.items() if table is not QUANTITIES}
 """Name under which figures read a table -> file, declaration."""

@@ -1,4 +1,4 @@
-"""The steps of a day one after the other, on a file of one's own: what is written, and that it is written again alike."""
+"""The steps of a day one after the other, on files of one's own: what is written, and written again alike."""
 
 from __future__ import annotations
 
@@ -25,7 +25,8 @@ def made(tmp_path_factory):
     words = [
         "weather@day.weathers.clear=measured", f"day.weathers.clear.file={folder / 'sun.csv'}",
         "load@day.load=measured", f"day.load.file={folder / 'load.csv'}", "~day.weathers.half_cloudy",
-        "~day.weathers.overcast", "day.modes=[cv_reflex]", "modes.cv_reflex.frequency_hz=20", "battery=lead_acid_12v18ah",
+        "~day.weathers.overcast", "day.modes=[cv_reflex]", "modes.cv_reflex.frequency_hz=20", 
+        "battery=lead_acid_12v18ah",
     ]  # fmt: skip
     nodes = {node.name: node for node in drafts(study_from(compose_tree(words)))}
     found = []

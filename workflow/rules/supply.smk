@@ -31,3 +31,37 @@ rule power_supply:
         "Supply: power at the battery's terminals: {wildcards.chunk}"
     shell:
         flow.command("supply")
+
+
+rule try_trackers:
+    input:
+        lambda wildcards: flow.needs(wildcards.chunk),
+    output:
+        flow.receipt("tracking"),
+    log:
+        flow.log("tracking"),
+    benchmark:
+        flow.benchmark("tracking")
+    params:
+        again=again("try_trackers"),
+    message:
+        "Trackers: ramps, days, shadows: {wildcards.chunk}"
+    shell:
+        flow.command("tracking")
+
+
+rule look_at_converters:
+    input:
+        lambda wildcards: flow.needs(wildcards.chunk),
+    output:
+        flow.receipt("converters"),
+    log:
+        flow.log("converters"),
+    benchmark:
+        flow.benchmark("converters")
+    params:
+        again=again("look_at_converters"),
+    message:
+        "Converters: efficiency over load: {wildcards.chunk}"
+    shell:
+        flow.command("converters")

@@ -37,6 +37,8 @@ from pipeline.search.function_records import FunctionStudy
 from pipeline.search.records import ChaosSettings
 from pipeline.search.registry import AnySettings
 from pipeline.taguchi.records import Design
+from pipeline.tracker.records import AnyTracker
+from pipeline.tracker.tracking_records import Tracking
 from pipeline.weather.records import Weather
 
 # Targets of the workflow, and folders of results/ that are not studies.
@@ -117,6 +119,8 @@ class Study(Record):
     weather: Weather | None = None
     converter: PowerChain | None = None
     load: Load | None = None
+    trackers: dict[str, AnyTracker] = Field(default_factory=dict, description="trackers that are tried, by name")
+    tracking: Tracking | None = Field(default=None, description="what the trackers are tried on")
     battery: Battery
     second_battery: Battery | None = Field(default=None, description="charged in the same way, to be held against it")
     modes: dict[str, Mode]
@@ -159,7 +163,7 @@ def sections(modes_in_use: tuple[str, ...], calibrations: tuple[str, ...] = ()) 
     modes = tuple(f"modes.{name}" for name in modes_in_use)
     charge = ("charge.initial_soc", "charge.ambient_c")
     return (
-        *("panel", "weather", "converter", "load", "battery", "second_battery"),
+        *("panel", "weather", "converter", "load", "trackers", "tracking", "battery", "second_battery"),
         *modes,
         *charge,
         *("objective", "design", "search", "oracle", "network", "trade_off", "functions", "day"),

@@ -7,6 +7,7 @@ from collections.abc import Mapping
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from pipeline.converter.efficiency import boost_efficiency, buck_efficiency
 from pipeline.converter.records import Load, PowerChain
 
 Columns = dict[str, NDArray[np.float64]]
@@ -19,6 +20,7 @@ def battery_power(
     panel_power_w: ArrayLike,
     chain: PowerChain,
     load: Load,
+    panel_voltage_v: ArrayLike = np.nan,
 ) -> Columns:
     """Follow the panel's maximum power to the battery: bus, less the load, through the buck converter.
 
@@ -29,14 +31,17 @@ def battery_power(
     panel_power_w : maximum power of the panel [W], shape (n,).
     chain : tracker, boost and buck.
     load : the master system, served first.
+    panel_voltage_v : voltage at that power, which a boost converter of parts depends on [V], shape (n,).
 
     Returns
     -------
     The columns of SUPPLY, shape (n,) each; where the load takes all, the battery's power is 0.
     """
     panel = np.asarray(panel_power_w, dtype=float)
-    bus = panel * chain.tracker_efficiency * chain.boost.efficiency
+    boost = boost_efficiency(chain, panel_voltage_v, panel * chain.tracker_efficiency)
+    bus = panel * chain.tracker_efficiency * boost
     left = np.maximum(0.0, bus - load.power_w)
+    buck = buck_efficiency(chain, chain.nominal_battery_voltage_v, left)
     return {
         "time_s": np.asarray(time_s, dtype=float),
         "irradiance_w_m2": np.asarray(irradiance_w_m2, dtype=float),
@@ -44,9 +49,9 @@ def battery_power(
         "panel_power_w": panel,
         "bus_power_w": bus,
         "load_power_w": np.full_like(panel, load.power_w),
-        "battery_power_w": left * chain.buck.efficiency,
-        "buck_efficiency": np.full_like(panel, chain.buck.efficiency),
-        "boost_efficiency": np.full_like(panel, chain.boost.efficiency),
+        "battery_power_w": left * buck,
+        "buck_efficiency": buck,
+        "boost_efficiency": boost,
     }
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from pipeline.converter.records import Load, PowerChain
+from pipeline.converter.records import AnyConverter, Converter, Load, PowerChain
 from pipeline.errors import UserError
 
 
@@ -25,9 +25,14 @@ def check(panel_power_w: float, panel_voltage_v: float, chain: PowerChain, load:
             f"converter.bus_voltage_v is {chain.bus_voltage_v:g} V; a boost converter needs a bus above the panel's "
             f"voltage at maximum power, {panel_voltage_v:g} V"
         )
-    bus_w = panel_power_w * chain.tracker_efficiency * chain.boost.efficiency
+    bus_w = panel_power_w * chain.tracker_efficiency * _most(chain.boost)
     if load.power_w >= bus_w:
         raise UserError(
             f"load.power_w is {load.power_w:g} W, but the bus has at most about {bus_w:.1f} W: the battery would "
             "never be charged; lower the load, or give more irradiance or panels"
         )
+
+
+def _most(converter: AnyConverter) -> float:
+    """Return an efficiency that a converter does not exceed."""
+    return converter.efficiency if isinstance(converter, Converter) else 1.0

@@ -144,6 +144,7 @@ DRAWINGS: dict[str, type[Record]] = {
     "day_bars": DayBarsOptions,
     "day_course": NoOptions,
     "energy": NoOptions,
+    "efficiency_map": NoOptions,
     "enlarged": EnlargedOptions,
     "frequency_map": NoOptions,
     "function_convergence": FunctionConvergenceOptions,
@@ -162,6 +163,7 @@ DRAWINGS: dict[str, type[Record]] = {
     "reflex_waveform": WaveformOptions,
     "search_effects": EffectOptions,
     "sensors": NoOptions,
+    "shaded_string": NoOptions,
     "stage_currents": StageCasesOptions,
     "stage_search_course": StageSearchOptions,
     "stage_search_ends": StageSearchOptions,
@@ -171,6 +173,8 @@ DRAWINGS: dict[str, type[Record]] = {
     "switched_edges": SwitchedOptions,
     "thevenin": NoOptions,
     "time_rise_front": StageCasesOptions,
+    "tracker_efficiency": NoOptions,
+    "tracker_ramp": NoOptions,
     "trade_off": NoOptions,
     "two_cells": NoOptions,
 }
@@ -178,10 +182,9 @@ DRAWINGS: dict[str, type[Record]] = {
 
 
 Read = Literal[
-    "modes", "system", "algorithm", "battery", "stage_search", "panel", "supply", "chaos", "objective", "tuning",
-    "search", "surface", "network", "network_size", "network_kernels", "functions", "charge", "switched", "trade_off",
-    "weather", "day",
-    "staging_search", "staging", "front", "second_charge",
+    "modes", "system", "algorithm", "battery", "stage_search", "panel", "supply", "tracking", "converters", "chaos",
+    "objective", "tuning", "search", "surface", "network", "network_size", "network_kernels", "functions", "charge",
+    "switched", "trade_off", "weather", "day", "staging_search", "staging", "front", "second_charge",
 ]  # fmt: skip
 """What a figure may read."""
 

@@ -8,7 +8,7 @@ from typing import Any
 
 from pipeline import schemas, tables
 from pipeline.published.reference import REFERENCE
-from pipeline.report import day_tables, second_cell
+from pipeline.report import day_tables, second_cell, supply_sections
 from pipeline.report import tables as report_tables
 from pipeline.report.data import ReportData
 from pipeline.report.function_tables import function_tables
@@ -31,9 +31,11 @@ def run(settings: Mapping[str, Any], inputs: Mapping[str, Path], output: Path) -
     figures = {card["name"]: _figure(card, inputs[f"figure/{card['name']}"]) for card in settings["figures"]}
     parts = ("second_charge", "trade_off", "day")
     of_second, of_trade_off, of_day = (_reading(settings["figures"], step) for step in parts)
-    apart = {*of_second, *of_trade_off, *of_day}
+    of_supply = [_reading(settings["figures"], step) for step in ("tracking", "converters")]
+    apart = {*of_second, *of_trade_off, *of_day, *of_supply[0], *of_supply[1]}
     sections = _worth(data, inputs, [figures[name] for name in of_trade_off])
     sections += _second(data, inputs, verdicts, [figures[name] for name in of_second])
+    sections += supply_sections.sections(data, *([figures[name] for name in names] for names in of_supply))
     sections += _days(data, [figures[name] for name in of_day])
     listed = parameters(settings["parameters"])
     study, searched = settings["study"], settings.get("searched")

@@ -33,5 +33,6 @@ def run(settings: Mapping[str, Any], inputs: Mapping[str, Path], output: Path) -
         points["max_power_w"],
         PowerChain.model_validate(settings["converter"]),
         Load.model_validate(settings["load"]),
+        points["max_power_voltage_v"],
     )
     tables.write(schemas.SUPPLY, supply, output / "supply.parquet")

@@ -18,7 +18,8 @@ from pipeline.jit import inlined
 Array = NDArray[np.float64]
 
 FIRST_STEP_S = 0.0005
-"""First step after a change; each further one is twice as long, until the next change."""
+GROWTH = 3.0
+"""First step after a change, and by how much each further one is longer, until the next change."""
 _MOST_NEWTON_STEPS = 40
 _FAR = 40.0
 INDUCTANCE, CAPACITANCE, BUS, DROP, SERIES, SWITCH, RECTIFIER, PERIOD, DIODE = range(9)

@@ -13,7 +13,7 @@ from pipeline.tracker.algorithms import (
     perturb_observe,
     variable_step,
 )
-from pipeline.tracker.circuit_kernel import FIRST_STEP_S, circuit_step, panel_current, tabled_current
+from pipeline.tracker.circuit_kernel import FIRST_STEP_S, GROWTH, circuit_step, panel_current, tabled_current
 
 Array = NDArray[np.float64]
 Places = NDArray[np.int64]
@@ -102,6 +102,7 @@ def run_loop(
                 while abs(new_v - voltage) > reach and step > _SHORTEST_S:
                     step *= 0.25
                     new_v, new_a = circuit_step(voltage, inductor, current, conductance, duty, parts, step)
+                inside += (new_v - voltage) * (1.0 - series * conductance)
                 voltage, inductor = new_v, new_a
                 if place >= 0:
                     current, conductance = tabled_current(curves[place], curve_step, voltage)
@@ -111,7 +112,7 @@ def run_loop(
                     )
                 got += 0.5 * step * (before + voltage * current)
                 gone += step
-                step *= 2.0
+                step *= GROWTH
             left -= span
             waiting -= span
             if waiting <= _ROUNDING:

@@ -79,7 +79,7 @@ def _circuit(
     circuit.switch("s1", "boost", (2.6, 4.0), (2.6, 0.0), closed=False, name="S1")
     circuit.part("Diode", "boost", (2.6, 4.0), (5.0, 4.0))
     circuit.part("Capacitor", "boost", (5.0, 4.0), (5.0, 0.0))
-    circuit.text((2.5, 4.75), f"boost, efficiency {converter['boost']['efficiency']:g}")
+    circuit.text((2.5, 4.75), f"boost, {_efficiency(converter['boost'])}")
     circuit.part("Line", "bus", (5.0, 4.0), (7.0, 4.0))
     circuit.part("RBox", "load", (7.0, 4.0), (7.0, 0.0))
     circuit.text((7.5, 2.0), load["title"].replace(" ", "\n") + f"\n{load['power_w']:g} W", "left")
@@ -88,7 +88,7 @@ def _circuit(
     circuit.part("Diode", "buck", (9.8, 0.0), (9.8, 4.0))
     circuit.part("Inductor2", "buck", (9.8, 4.0), (12.2, 4.0))
     circuit.part("Capacitor", "buck", (12.2, 4.0), (12.2, 0.0))
-    circuit.text((11.0, 4.75), f"buck, efficiency {converter['buck']['efficiency']:g}")
+    circuit.text((11.0, 4.75), f"buck, {_efficiency(converter['buck'])}")
     circuit.switch("s3", "s3", (12.2, 4.0), (14.6, 4.0), "s3" in closed, "S3")
     circuit.switch("s4", "s4", (14.6, 4.0), (14.6, 2.0), "s4" in closed, "S4")
     circuit.part("Resistor", "discharge", (14.6, 2.0), (14.6, 0.0))
@@ -106,9 +106,8 @@ def _architecture(circuit: Circuit, system: Mapping[str, Any]) -> None:
     panel, converter, load, battery = (system[name] for name in ("panel", "converter", "load", "battery"))
     boxes = {
         (0.0, 3.6): f"Panel\n{panel['title']}\n{panel['max_power_voltage_v']:g} V, {panel['max_power_current_a']:g} A",
-        (5.0, 3.6): f"Boost converter\nefficiency {converter['boost']['efficiency']:g}\n"
-        f"tracker {converter['tracker_efficiency']:g}",
-        (10.0, 3.6): f"Buck converter\nefficiency {converter['buck']['efficiency']:g}\nS2, S3",
+        (5.0, 3.6): f"Boost converter\n{_efficiency(converter['boost'])}\ntracker {converter['tracker_efficiency']:g}",
+        (10.0, 3.6): f"Buck converter\n{_efficiency(converter['buck'])}\nS2, S3",
         (15.0, 3.6): f"Battery\n{battery['title']}\ndischarge through S4",
         (5.0, 0.0): f"{load['title'].capitalize()}\n{load['power_w']:g} W at {converter['bus_voltage_v']:g} V",
         (10.0, 0.0): "Controller\nchooses the mode,\nsets the pulses",
@@ -122,3 +121,7 @@ def _architecture(circuit: Circuit, system: Mapping[str, Any]) -> None:
     circuit.arrow((15.0, 2.65), (15.0, 0.0), part="signal", ends_at=(11.95, 0.0))
     circuit.text((15.2, 1.2), "voltage, current,\ntemperature", "left")
     circuit.done((-2.3, 18.6), (-1.2, 5.0))
+
+
+def _efficiency(converter: Mapping[str, Any]) -> str:
+    return f"efficiency {converter['efficiency']:g}" if "efficiency" in converter else "losses by load"

@@ -13,6 +13,7 @@ from pipeline.report.data import ReportData
 from pipeline.report.day_tables import charged, weathers
 from pipeline.report.records import FigureCard
 
+_TIME, _POWER = "Local time [h]", "Power [W]"
 _HOUR_S = 3600.0
 _STATES = {
     "off": ("off", "#f1f1f1"),
@@ -38,7 +39,9 @@ def draw(figure: FigureCard, data: ReportData) -> Figure:
     titles = weathers(data)
     if not titles:
         drawing = style.figure(3.0)
-        style.nothing(drawing.subplots(), "no days in this run")
+        axes = drawing.subplots()
+        style.nothing(axes, "no days in this run")
+        axes.set(xlabel=_TIME, ylabel=_POWER)
         return drawing
     drawing = style.figure(9.0)
     fields = drawing.subplots(
@@ -51,9 +54,9 @@ def draw(figure: FigureCard, data: ReportData) -> Figure:
         _lines(column[2], data, name, "soc", 100.0)
         _lines(column[3], data, name, "temperature_c", 1.0)
         _states(column[4], data, name)
-        column[4].set_xlabel("Local time [h]")
+        column[4].set_xlabel(_TIME)
         column[4].xaxis.set_major_locator(MultipleLocator(_hours_between(data, name)))
-    words = ("Light [W/m²]", "Power [W]", "State of\ncharge [%]", "Battery [°C]")
+    words = ("Light [W/m²]", _POWER, "State of\ncharge [%]", "Battery [°C]")
     for row, label in zip(fields[:4, 0], words, strict=True):
         row.set_ylabel(label)
     for row in fields[:2].flat:

@@ -1,0 +1,128 @@
+"""The efficiency of a converter at any load: the same at all of them, or from its parts and losses."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from pipeline.converter.loss_kernel import COLUMNS, fill_losses
+from pipeline.converter.loss_records import ConverterLosses
+from pipeline.converter.records import Converter, PowerChain
+from pipeline.converter.switched_records import SwitchedConverter
+
+Array = NDArray[np.float64]
+
+CONDUCTION = ("switch_w", "rectifier_w", "winding_w", "capacitor_w")
+"""The losses that follow from the resistances and forward voltages alone."""
+_STEPS = 60
+
+
+class Load(NamedTuple):
+    """A converter at some loads: column of `loss_kernel.COLUMNS` -> values, and input power [W], shape (n,) each."""
+
+    columns: dict[str, Array]
+    power_w: Array
+
+    def losses_w(self, paths: tuple[str, ...] = COLUMNS[2:]) -> Array:
+        """Return the sum of some losses, all of them without names [W], shape (n,)."""
+        return np.asarray(sum(self.columns[path] for path in paths), dtype=np.float64)
+
+    def efficiency(self, paths: tuple[str, ...] = COLUMNS[2:]) -> Array:
+        """Return output over input power with some of the losses; 0 without power, shape (n,)."""
+        lost = np.divide(self.losses_w(paths), self.power_w, out=np.ones_like(self.power_w), where=self.power_w > 0.0)
+        return np.maximum(1.0 - lost, 0.0)
+
+
+def boost_efficiency(chain: PowerChain, panel_voltage_v: ArrayLike, power_w: ArrayLike) -> Array:
+    """Return the efficiency of the converter between panel and bus.
+
+    Arguments
+    ---------
+    chain : the converters.
+    panel_voltage_v : voltage of the panels [V], shape (n,) or one for all.
+    power_w : power from the panels [W], shape (n,).
+
+    Returns
+    -------
+    Output over input power [1], shape (n,).
+    """
+    power = np.atleast_1d(np.asarray(power_w, dtype=np.float64))
+    if isinstance(chain.boost, Converter):
+        return np.full_like(power, chain.boost.efficiency)
+    return loads(chain, "boost", panel_voltage_v, chain.bus_voltage_v, power).efficiency()
+
+
+def buck_efficiency(
+    chain: PowerChain, battery_voltage_v: ArrayLike, power_w: ArrayLike, of_output: bool = False
+) -> Array:
+    """Return the efficiency of the converter between bus and battery.
+
+    Arguments
+    ---------
+    chain : the converters.
+    battery_voltage_v : voltage of the battery [V], shape (n,) or one for all.
+    power_w : power from the bus, or into the battery [W], shape (n,).
+    of_output : the power is that into the battery.
+
+    Returns
+    -------
+    Output over input power [1], shape (n,).
+    """
+    power = np.atleast_1d(np.asarray(power_w, dtype=np.float64))
+    if isinstance(chain.buck, Converter):
+        return np.full_like(power, chain.buck.efficiency)
+    if not of_output:
+        return loads(chain, "buck", chain.bus_voltage_v, battery_voltage_v, power).efficiency()
+    drawn, found = power, np.ones_like(power)
+    for _ in range(_STEPS):
+        at = loads(chain, "buck", chain.bus_voltage_v, battery_voltage_v, drawn)
+        following = power + at.losses_w()
+        # Losses that are more than what is drawn are cut to it, so that the power drawn goes on rising.
+        settled = np.max(np.abs(following - drawn), initial=0.0) <= 1e-12 * np.max(power, initial=1.0)
+        drawn = following
+        if settled:
+            break
+    return np.divide(power, drawn, out=np.zeros_like(found), where=drawn > 0.0)
+
+
+def loads(chain: PowerChain, which: str, source_v: ArrayLike, sink_v: ArrayLike, power_w: ArrayLike) -> Load:
+    """Return duty, ripple and losses of one of the converters from its parts.
+
+    Arguments
+    ---------
+    which : `boost` or `buck`.
+    source_v, sink_v : voltages at input and output [V], shape (n,) or one for all.
+    power_w : power at the input [W], shape (n,).
+    """
+    assert chain.switched is not None
+    assert chain.losses is not None
+    boosts = which == "boost"
+    stage: SwitchedConverter = chain.switched.boost if boosts else chain.switched.buck
+    source, sink, power = (
+        np.ascontiguousarray(part) for part in np.broadcast_arrays(*map(_float, (source_v, sink_v, power_w)))
+    )
+    found = np.zeros((power.size, len(COLUMNS)))
+    fill_losses(boosts, numbers(stage, chain.losses.boost if boosts else chain.losses.buck), source, sink, power, found)
+    return Load(dict(zip(COLUMNS, found.T, strict=True)), power)
+
+
+def numbers(stage: SwitchedConverter, losses: ConverterLosses) -> Array:
+    """Return a converter's numbers in the order of `loss_kernel`."""
+    synchronous = stage.rectifier == "synchronous"
+    return np.array(
+        [
+            *(stage.switching_frequency_hz, stage.inductance_h, stage.inductor_resistance_ohm),
+            *(stage.on_resistance_ohm, stage.rectifier_resistance_ohm),
+            0.0 if synchronous else stage.rectifier_voltage_v,
+            *(stage.capacitor_resistance_ohm, float(synchronous)),
+            *(losses.transition_time_s, losses.node_capacitance_f, losses.gate_charge_c, losses.gate_voltage_v),
+            *(losses.core_loss_w, losses.core_ripple_a, losses.core_frequency_hz),
+            *(losses.ripple_exponent, losses.frequency_exponent, losses.control_power_w),
+        ]
+    )
+
+
+def _float(values: ArrayLike) -> Array:
+    return np.atleast_1d(np.asarray(values, dtype=np.float64))

@@ -1,0 +1,159 @@
+"""The report's tables of the solar supply: the panel's model beside its data sheet, and the trackers."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+import numpy as np
+
+from pipeline.report.data import ReportData
+from pipeline.report.tables import Cell, ReportTable, plain
+
+_STEADY = (
+    ("steady_efficiency", "steady / %", 100.0),
+    ("ripple_v", "ripple / V", 1.0),
+    ("ripple_w", "ripple / W", 1.0),
+    ("start_s", "start / s", 1.0),
+    ("step_s", "step / s", 1.0),
+    ("ramps_efficiency", "ramps / %", 100.0),
+    ("worst_ramp", "worst ramp / %", 100.0),
+)
+
+
+def panel_fit(data: ReportData) -> ReportTable:
+    """Return the values of the panel's data sheet beside those of its single-diode model."""
+    found = data.table("panel", "panel_fit")
+    rows: list[tuple[Cell, ...]] = []
+    for quantity, unit, sheet, model in zip(*(found[name] for name in found), strict=True):
+        error = 100.0 * (float(model) / float(sheet) - 1.0) if sheet else None
+        rows.append((str(quantity), str(unit), float(sheet), float(model), error))
+    return ReportTable(
+        "panel_fit",
+        "The panel's model beside its data sheet",
+        "One panel at 1000 W/m² and 25 °C. The model moves both coefficients at the axes together, by its adjustment, "
+        "so that the maximum power has the coefficient of the sheet.",
+        ("quantity", "unit", "data sheet", "model", "deviation / %"),
+        tuple(rows),
+    )
+
+
+def titles(data: ReportData, part: str = "trackers") -> Mapping[str, str]:
+    """Return name -> title of the trackers, or of the days they are tried on."""
+    found: Mapping[str, str] = data.settings.get("tracking", {}).get(part, {})
+    return found
+
+
+def tracking_tables(data: ReportData) -> list[ReportTable]:
+    """Return what the trackers come to in steady light, over days and in shadow; none where none are tried."""
+    return [_steady(data), _ramps(data), _days(data), _shadows(data)] if "tracking" in data.inputs else []
+
+
+def _steady(data: ReportData) -> ReportTable:
+    found = data.numbers("tracking")
+    rows: tuple[tuple[Cell, ...], ...] = tuple(
+        (title, *(scale * found[f"{name}_{key}"] for key, _, scale in _STEADY)) for name, title in titles(data).items()
+    )
+    return ReportTable(
+        "trackers",
+        "The trackers in steady light and over ramps",
+        "Energy captured over energy available. Ripple of the panel's voltage, and of the power from a period of the "
+        "tracker to the next, at 1000 W/m². Settling times from near open circuit and after a step to 1000 W/m². "
+        "Ramps: mean and least over all ramps of the irradiance.",
+        ("tracker", *(title for _, title, _ in _STEADY)),
+        rows,
+    )
+
+
+def _ramps(data: ReportData) -> ReportTable:
+    found = data.table("tracking", "tracking_ramps")
+    names = titles(data)
+    by_ramp: dict[tuple[str, str, float], dict[str, float]] = {}
+    for place, tracker in enumerate(found["tracker"]):
+        low, high = found["low_w_m2"][place], found["high_w_m2"][place]
+        key = (f"{low:g} to {high:g} W/m²", str(found["group"][place]), float(found["slope_w_m2_s"][place]))
+        by_ramp.setdefault(key, {})[str(tracker)] = 100.0 * float(found["efficiency"][place])
+    rows: tuple[tuple[Cell, ...], ...] = tuple(
+        (span, slope, *(own[name] for name in names)) for (span, _, slope), own in by_ramp.items()
+    )
+    return ReportTable(
+        "tracker_ramps",
+        "Efficiency of the trackers on each ramp",
+        "Energy captured over energy available, in per cent, over all repetitions of a ramp with the dwells between.",
+        ("irradiance", "slope / W/m²/s", *names.values()),
+        rows,
+        grouped=True,
+    )
+
+
+def _days(data: ReportData) -> ReportTable:
+    found = data.table("tracking", "tracking_day")
+    names, skies = titles(data), titles(data, "skies")
+    rows: list[tuple[Cell, ...]] = [
+        (
+            *(skies.get(str(sky), str(sky)), names.get(str(tracker), str(tracker))),
+            *(plain(found[key][place]) for key in ("available_wh", "captured_wh")),
+            100.0 * float(found["efficiency"][place]),
+        )
+        for place, (sky, tracker) in enumerate(zip(found["sky"], found["tracker"], strict=True))
+    ]
+    return ReportTable(
+        "tracker_days",
+        "The trackers over a day",
+        "Energy from the panel between sunrise and sunset.",
+        ("day", "tracker", "available / Wh", "captured / Wh", "captured / %"),
+        tuple(rows),
+        grouped=True,
+    )
+
+
+def _shadows(data: ReportData) -> ReportTable:
+    found = data.table("tracking", "tracking_shading_ends")
+    names = titles(data)
+    rows: list[tuple[Cell, ...]] = [
+        (
+            *(str(scene).replace("_", " "), names.get(str(tracker), str(tracker))),
+            *(plain(found[key][place]) for key in ("voltage_v", "power_w", "best_w")),
+            100.0 * float(found["share"][place]),
+            plain(found["searched_s"][place]),
+        )
+        for place, (scene, tracker) in enumerate(zip(found["scene"], found["tracker"], strict=True))
+    ]
+    return ReportTable(
+        "tracker_shadows",
+        "Where the trackers end in shadow",
+        "Each tracker finds the maximum in full light, then the shadow falls at once. What lies below 100 % on a curve "
+        "of two maxima is a local one.",
+        ("scene", "tracker", "voltage / V", "power / W", "highest / W", "share / %", "settling / s"),
+        tuple(rows),
+        grouped=True,
+    )
+
+
+def tracking_text(data: ReportData) -> str:
+    """Return what the trials of the trackers show, as sentences, every number of which was computed."""
+    found, names = data.numbers("tracking"), titles(data)
+    steady = {name: 100.0 * found[f"{name}_steady_efficiency"] for name in names}
+    worst = {name: 100.0 * found[f"{name}_worst_ramp"] for name in names}
+    low, fast, slow = (
+        min(steady, key=lambda name: steady[name]),
+        max(worst, key=lambda name: worst[name]),
+        min(worst, key=lambda name: worst[name]),
+    )
+    text = [
+        f"At 1000 W/m2 in steady light all trackers take at least {steady[low]:.2f} % of what the panel can give "
+        f"({names[low]} the least). On ramps of the irradiance the least is {worst[slow]:.1f} % ({names[slow]}) and "
+        f"{worst[fast]:.1f} % ({names[fast]})."
+    ]
+    ends = data.table("tracking", "tracking_shading_ends")
+    share = {name: 100.0 * float(np.min(ends["share"][ends["tracker"] == name])) for name in names}
+    caught = [names[name] for name in names if share[name] < 95.0]
+    free = [names[name] for name in names if share[name] >= 95.0]
+    if caught:
+        text.append(
+            f"In partial shadow a curve has several maxima: on some scene {', '.join(caught)} end below 95 % of the "
+            f"highest, at worst at {min(share.values()):.0f} %."
+        )
+    if free:
+        ending = f"{min(share[name] for name in names if share[name] >= 95.0):.1f} %"
+        text.append(f"{', '.join(free).capitalize()} reaches at least {ending} on every one.")
+    return " ".join(text)

@@ -1,0 +1,1 @@
+"""What the engine is held against: closed forms, its own convergence, state functions, independent codes."""
