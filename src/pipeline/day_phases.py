@@ -7,6 +7,7 @@ from typing import Any
 
 from pipeline import own_series
 from pipeline.config.study import Study
+from pipeline.converter.records import PowerChain
 from pipeline.draft import Draft, plain
 
 
@@ -46,7 +47,7 @@ def _daylight(study: Study, weather: str) -> Draft:
             **plain(
                 {
                     "panel": study.panel,
-                    "converter": study.converter.model_copy(update={"switched": None}),
+                    "converter": chain_of_hours(study.converter),
                     "boost": None if switched is None or study.day.tracker is None else switched.boost,
                     "tracker": study.day.tracker,
                 }
@@ -70,7 +71,7 @@ def _charge(study: Study, weather: str, mode: str) -> Draft:
         {
             **plain(
                 {
-                    "converter": study.converter.model_copy(update={"switched": None}),
+                    "converter": chain_of_hours(study.converter),
                     "conditions": study.day.conditions(),
                     "engine": study.engine,
                 }
@@ -85,6 +86,11 @@ def _charge(study: Study, weather: str, mode: str) -> Draft:
             for part in ("trace", "switching", "stages", "quantities")
         },
     )
+
+
+def chain_of_hours(chain: PowerChain) -> PowerChain:
+    """Return the converters without the parts that the powers of hours do not depend on."""
+    return chain if chain.of_parts else chain.model_copy(update={"switched": None, "losses": None})
 
 
 def weather_settings(study: Study) -> dict[str, Any] | None:

@@ -24,6 +24,7 @@ DAYLIGHT = Table(
         *WEATHER.columns,
         Column("reference_w", "W", "what the panel would give at its efficiency of standard conditions"),
         Column("panel_w", "W", "the panel's maximum power"),
+        Column("panel_voltage_v", "V", "the panel's voltage at maximum power"),
         Column("tracked_w", "W", "what the tracker could draw of it"),
         Column("bus_w", "W", "what the boost converter could bring to the bus"),
         Column("load_w", "W", "what the load asks for"),

@@ -20,7 +20,7 @@ def found(request):
     panel_w = 60.0 * np.sin(np.pi * np.arange(96) / 96) * np.where(np.arange(96) % 7 == 3, 0.3, 1.0)
     time_s, rows = INTERVAL_S * np.arange(96.0), np.ones(96)
     could = available(panel_w, 0.98 * panel_w, 5.0, CHAIN)
-    light = Sunlight(time_s, INTERVAL_S * rows, 10 * panel_w, 20 * rows, 30 * rows, 1.1 * panel_w, could)
+    light = Sunlight(time_s, INTERVAL_S * rows, 10 * panel_w, 20 * rows, 30 * rows, 1.1 * panel_w, 17 * rows, could)
     charge = day(request.param, Surroundings(time_s, could.battery_w, 20.0 * rows, 96 * INTERVAL_S))
     trace = columns.trace(charge, light, CHAIN, 6 * 3600.0)
     return charge, light, trace, columns.stages(trace, charge)

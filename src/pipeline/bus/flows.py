@@ -7,9 +7,11 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from pipeline.converter.records import PowerChain
+from pipeline.converter.efficiency import boost_efficiency, buck_efficiency
+from pipeline.converter.records import Converter, PowerChain
 
 Array = NDArray[np.float64]
+_STEPS, _CLOSE = 60, 1e-12
 
 
 class Available(NamedTuple):
@@ -52,33 +54,61 @@ class Flows(NamedTuple):
     discharge_w: Array
 
 
-def available(panel_w: ArrayLike, tracked_w: ArrayLike, load_w: ArrayLike, chain: PowerChain) -> Available:
+def available(
+    panel_w: ArrayLike, tracked_w: ArrayLike, load_w: ArrayLike, chain: PowerChain, panel_voltage_v: ArrayLike = np.nan
+) -> Available:
     """Follow what the tracker could draw to the battery.
 
     Arguments
     ---------
     panel_w, tracked_w, load_w : maximum power, what of it is tracked, the load's demand [W], shape (n,).
     chain : the converters.
+    panel_voltage_v : voltage at maximum power, which a boost converter of parts depends on [V], shape (n,).
     """
     panel, tracked, load = np.broadcast_arrays(
         *(np.asarray(part, dtype=float) for part in (panel_w, tracked_w, load_w))
     )
-    bus = tracked * chain.boost.efficiency
+    bus = tracked * boost_efficiency(chain, panel_voltage_v, tracked)
     served = np.minimum(load, bus)
-    return Available(panel.copy(), tracked.copy(), bus, load.copy(), served, (bus - served) * chain.buck.efficiency)
+    left = bus - served
+    battery = left * buck_efficiency(chain, chain.nominal_battery_voltage_v, left)
+    return Available(panel.copy(), tracked.copy(), bus, load.copy(), served, battery)
 
 
-def flows(charge_w: ArrayLike, discharge_w: ArrayLike, could: Available, chain: PowerChain) -> Flows:
+def flows(
+    charge_w: ArrayLike,
+    discharge_w: ArrayLike,
+    could: Available,
+    chain: PowerChain,
+    panel_voltage_v: ArrayLike = np.nan,
+) -> Flows:
     """Follow what the battery took back to the panel.
 
     Arguments
     ---------
     charge_w, discharge_w : means at the battery's terminals, both positive [W], shape (n,).
     could : what could flow in the same intervals.
-    chain : the converters.
+    chain, panel_voltage_v : as for `available`.
     """
     charge, discharge = np.asarray(charge_w, dtype=float), np.asarray(discharge_w, dtype=float)
-    buck = charge / chain.buck.efficiency
+    share = buck_efficiency(chain, chain.nominal_battery_voltage_v, charge, of_output=True)
+    buck = np.divide(charge, share, out=np.zeros_like(charge), where=share > 0.0)
     bus = could.served_w + buck
-    drawn = bus / chain.boost.efficiency
+    drawn = _boost_input_w(bus, could, chain, panel_voltage_v)
     return Flows(drawn, could.tracked_w - drawn, bus, buck, charge, discharge)
+
+
+def _boost_input_w(bus_w: Array, could: Available, chain: PowerChain, panel_voltage_v: ArrayLike) -> Array:
+    """Return what the boost converter draws for a power onto the bus, by iteration on its losses [W], shape (n,)."""
+    if isinstance(chain.boost, Converter):
+        return bus_w / chain.boost.efficiency
+    drawn = bus_w.copy()
+    for _ in range(_STEPS):
+        following = bus_w + drawn * (1.0 - boost_efficiency(chain, panel_voltage_v, drawn))
+        # What the tracker could draw is enough for what the bus could have, and for nothing more.
+        following = np.minimum(following, np.maximum(could.tracked_w, bus_w))
+        settled = np.max(np.abs(following - drawn), initial=0.0) <= _CLOSE * np.max(bus_w, initial=1.0)
+        drawn = following
+        if settled:
+            break
+    return drawn

@@ -39,7 +39,13 @@ def trace(charge: DayCharge, sun: Sunlight, chain: PowerChain, clock_s: float) -
     rows = held(sun.time_s, np.arange(len(sun.time_s), dtype=float), 0.5 * (start_s + end_s)).astype(int)
     could = Available(*(part[rows] for part in sun.could))
     discharge_w = mean_w("Discharging Energy / Wh")
-    did = flows(mean_w("Charging Energy / Wh"), np.where(discharge_w > _ROUNDING_W, discharge_w, 0.0), could, chain)
+    did = flows(
+        mean_w("Charging Energy / Wh"),
+        np.where(discharge_w > _ROUNDING_W, discharge_w, 0.0),
+        could,
+        chain,
+        sun.panel_voltage_v[rows],
+    )
     return {
         "time_s": end_s,
         "clock_s": end_s + clock_s,

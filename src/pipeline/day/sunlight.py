@@ -24,7 +24,8 @@ Array = NDArray[np.float64]
 class Sunlight(NamedTuple):
     """A day with everything that does not depend on the battery, constant over each interval, shape (n,) each.
 
-    `reference_w` is what the panels would give at their efficiency of standard conditions.
+    `reference_w` is what the panels would give at their efficiency of standard conditions, `panel_voltage_v` their
+    voltage at maximum power.
     """
 
     time_s: Array
@@ -33,6 +34,7 @@ class Sunlight(NamedTuple):
     ambient_c: Array
     cell_temperature_c: Array
     reference_w: Array
+    panel_voltage_v: Array
     could: Available
 
 
@@ -60,9 +62,11 @@ def sunlight(
     irradiance, ambient, cells = (
         held(sky.time_s, column, time_s) for column in (sky.irradiance_w_m2, sky.ambient_c, sky.cell_temperature_c)
     )
-    panel_w = _power(panel, diode, irradiance, cells)
+    panel_w, panel_v = _maximum(panel, diode, irradiance, cells)
     tracked_w = np.minimum(panel_w, tracking(edges, irradiance, cells, panel_w))
-    standard_w = _power(panel, diode, np.array([REFERENCE_IRRADIANCE_W_M2]), np.array([REFERENCE_TEMPERATURE_C]))[0]
+    standard_w = _maximum(panel, diode, np.array([REFERENCE_IRRADIANCE_W_M2]), np.array([REFERENCE_TEMPERATURE_C]))[0][
+        0
+    ]
     return Sunlight(
         time_s,
         np.diff(edges),
@@ -70,7 +74,8 @@ def sunlight(
         ambient,
         cells,
         standard_w * irradiance / REFERENCE_IRRADIANCE_W_M2,
-        available(panel_w, tracked_w, held(changes, load.power_w, time_s), chain),
+        panel_v,
+        available(panel_w, tracked_w, held(changes, load.power_w, time_s), chain, panel_v),
     )
 
 
@@ -90,6 +95,8 @@ def in_closed_loop(source: Source, tracker: AnyTracker) -> Tracking:
     return drawn_w
 
 
-def _power(panel: Panel, diode: SingleDiode, irradiance: Array, cells: Array) -> Array:
+def _maximum(panel: Panel, diode: SingleDiode, irradiance: Array, cells: Array) -> tuple[Array, Array]:
+    """Return maximum power [W] and the voltage at it [V] of all panels, shape (n,) each."""
+    found = maximum_power(panel, diode, irradiance, cells)
     count = panel.panels_in_series * panel.panels_in_parallel
-    return count * maximum_power(panel, diode, irradiance, cells).max_power_w
+    return count * found.max_power_w, panel.panels_in_series * found.max_power_voltage_v

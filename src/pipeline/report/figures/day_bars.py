@@ -30,6 +30,7 @@ _HOURS = (
     ("off", "off: not enough sun", "#999999"),
     ("ended", "ended", "#dddddd"),
 )
+_LABELS = {"energy": "Energy [Wh]", "time": "Time [h]"}
 _HOUR_S = 3600.0
 _LABELLED = 0.035
 
@@ -51,7 +52,10 @@ def draw(figure: FigureCard, data: ReportData) -> Figure:
     titles = weathers(data)
     if not titles:
         drawing = style.figure(3.0)
-        style.nothing(drawing.subplots(), "no days in this run")
+        axes = drawing.subplots()
+        style.nothing(axes, "no days in this run")
+        axes.set_xlabel(_LABELS[options.quantity])
+        axes.set_yticks([0.5], ["none"])
         return drawing
     modes = max(len(charged(data, name)) for name in titles)
     drawing = style.figure(1.5 + len(titles) * (0.45 + 0.3 * modes))
@@ -66,7 +70,7 @@ def draw(figure: FigureCard, data: ReportData) -> Figure:
         axes.set_yticks(range(len(found)), [data.modes[mode].title for mode in found])
         axes.set_ylim(len(found) - 0.5, -0.5)
         axes.grid(False, axis="y")
-    fields[-1].set_xlabel("Energy [Wh]" if options.quantity == "energy" else "Time [h]")
+    fields[-1].set_xlabel(_LABELS[options.quantity])
     handles = [Patch(color=colour, label=words) for _, words, colour in parts]
     drawing.legend(handles=handles, loc="outside upper center", ncols=3, fontsize=9, handlelength=1.4)
     return drawing

@@ -6,12 +6,14 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.patches import Patch
+from matplotlib.ticker import MultipleLocator
 
 from pipeline.report import style
 from pipeline.report.data import ReportData
 from pipeline.report.day_tables import charged, weathers
 from pipeline.report.records import FigureCard
 
+_TIME, _POWER = "Local time [h]", "Power [W]"
 _HOUR_S = 3600.0
 _STATES = {
     "off": ("off", "#f1f1f1"),
@@ -37,7 +39,9 @@ def draw(figure: FigureCard, data: ReportData) -> Figure:
     titles = weathers(data)
     if not titles:
         drawing = style.figure(3.0)
-        style.nothing(drawing.subplots(), "no days in this run")
+        axes = drawing.subplots()
+        style.nothing(axes, "no days in this run")
+        axes.set(xlabel=_TIME, ylabel=_POWER)
         return drawing
     drawing = style.figure(9.0)
     fields = drawing.subplots(
@@ -50,8 +54,9 @@ def draw(figure: FigureCard, data: ReportData) -> Figure:
         _lines(column[2], data, name, "soc", 100.0)
         _lines(column[3], data, name, "temperature_c", 1.0)
         _states(column[4], data, name)
-        column[4].set_xlabel("Local time [h]")
-    words = ("Light [W/m²]", "Power [W]", "State of\ncharge [%]", "Battery [°C]")
+        column[4].set_xlabel(_TIME)
+        column[4].xaxis.set_major_locator(MultipleLocator(_hours_between(data, name)))
+    words = ("Light [W/m²]", _POWER, "State of\ncharge [%]", "Battery [°C]")
     for row, label in zip(fields[:4, 0], words, strict=True):
         row.set_ylabel(label)
     for row in fields[:2].flat:
@@ -64,6 +69,13 @@ def _hours(found: dict[str, np.ndarray]) -> np.ndarray:
     """Return the ends of the intervals in local time [h], the start of the first before them."""
     first = found["clock_s"][0] - found["interval_s"][0]
     return np.concatenate([[first], found["clock_s"]]) / _HOUR_S
+
+
+def _hours_between(data: ReportData, name: str) -> float:
+    """Return a distance of ticks that suits the length of a day."""
+    sky = data.table(f"weather/{name}", "weather")
+    hours = float(sky["interval_s"].sum()) / _HOUR_S
+    return next((step for step in (0.25, 0.5, 1.0, 2.0, 3.0, 6.0, 12.0, 24.0) if hours <= 6.0 * step), hours / 4.0)
 
 
 def _light(axes: Axes, data: ReportData, name: str) -> None:
