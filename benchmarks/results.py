@@ -79,9 +79,20 @@ def rounded(value: float | None) -> float | None:
 
 def save(name: str, rows: list[Row], about: dict[str, Any]) -> None:
     """Write the rows of a benchmark, each with the versions and the machine it was measured with."""
+    write(name, [as_dict(row) | about for row in rows])
+
+
+def write(name: str, rows: list[dict[str, Any]]) -> None:
+    """Write rows to the file of a benchmark."""
     FOLDER.mkdir(exist_ok=True)
-    written = [as_dict(row) | about for row in rows]
-    (FOLDER / f"{name}.json").write_text(json.dumps(written, indent=2) + "\n")
+    (FOLDER / f"{name}.json").write_text(json.dumps(rows, indent=2) + "\n")
+
+
+def read(name: str) -> list[dict[str, Any]]:
+    """Return the rows on the file of a benchmark; none where it has not run."""
+    file = FOLDER / f"{name}.json"
+    found: list[dict[str, Any]] = json.loads(file.read_text()) if file.exists() else []
+    return found
 
 
 def shown(rows: list[Row]) -> str:
@@ -134,10 +145,7 @@ def table(names: Iterable[str], asked_only: bool = False) -> str:
         "|---" * 8 + "|",
     ]
     for name in names:
-        file = FOLDER / f"{name}.json"
-        if file.exists():
-            rows = json.loads(file.read_text())
-            lines += [_line(row) for row in rows if row["ratio_asked"] or not asked_only]
+        lines += [_line(row) for row in read(name) if row["ratio_asked"] or not asked_only]
     return "\n".join(lines)
 
 

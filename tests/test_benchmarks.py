@@ -10,7 +10,7 @@ from itertools import count
 import numpy as np
 import pytest
 from benchmarks import __main__ as runner
-from benchmarks import common_model, results
+from benchmarks import bound, common_model, counting, results
 from benchmarks.common_model import End
 from benchmarks.peers import ngspice, pybamm_thevenin, runge_kutta, scipy_model
 from benchmarks.protocol import Figure, Row, compared, interleaved, missing, repeated
@@ -198,3 +198,24 @@ def test_the_deck_keeps_the_charge_of_a_pulse():
 def test_ngspice_computes_the_same_model(pulsed):
     _, _, m, p = pulsed
     assert common_model.error(ngspice.build(m, p, 1e-4)(), common_model.exact(m, p)) < 1e-4
+
+
+def test_the_bare_loop_computes_the_common_model(pulsed):
+    _, _, m, p = pulsed
+    x, fast, slow, warm, energy, *_ = bound.bare(p.periods, *bound.bare_arguments(m, p))
+    expected = common_model.exact(m, p)
+    assert (1.0 - x, fast, slow, energy) == pytest.approx((*expected[:3], expected.energy_j), rel=1e-11)
+    assert warm == pytest.approx(expected.temperature_k - m.ambient_k, rel=1e-6)
+
+
+def test_numbers_count_what_is_done_to_them_and_know_what_they_wait_for(monkeypatch):
+    monkeypatch.setattr(counting.Count, "done", dict.fromkeys(counting.KINDS, 0))
+    monkeypatch.setattr(counting.Count, "takes", {"add": 1.0, "multiply": 2.0, "divide": 10.0})
+    a, b = counting.Number(3.0), counting.Number(4.0)
+    found = (a + b) * np.float64(2.0) - 1.0 / b + np.float64(5.0) * a
+    assert float(found) == 3.0 * 2.0 + 4.0 * 2.0 - 0.25 + 15.0
+    assert counting.Count.done == {"add": 3, "multiply": 2, "divide": 1, "compare": 0, "function": 0}
+    # The division alone takes longest, then the difference and the sum.
+    assert found.ready == 12.0
+    assert max(a, b) is b
+    assert counting.Count.done["compare"] == 1
