@@ -7,14 +7,12 @@ processes, imports and loading of compiled code included. `python -m benchmarks 
 from __future__ import annotations
 
 import json
-import statistics
 import subprocess
 import sys
 import time
 from pathlib import Path
 
-from benchmarks.protocol import Figure, Row, compared, missing, once
-from benchmarks.results import short
+from benchmarks.protocol import Figure, Row, Times, compared, missing, once, processor_time
 
 SECONDS, INITIAL_SOC, RTOL = 3600.0, 0.3, 1e-6
 ERROR_ASKED = 1e-6
@@ -35,10 +33,9 @@ def rows() -> list[Row]:
         return [missing(NAME, peer, FIGURE)]
     # The first process finds nothing of ours in the system's memory; the others stand around the peer's.
     _process("ours")
-    several = [_process("ours") for _ in range(AROUND)]
-    theirs_s, theirs = _process("pybamm")
-    several += [_process("ours") for _ in range(AROUND)]
-    walls, ours = [whole_s for whole_s, _ in several], [said for _, said in several]
+    ours = [_process("ours") for _ in range(AROUND)]
+    theirs = _process("pybamm")
+    ours += [_process("ours") for _ in range(AROUND)]
     battery, mode = common_model.battery(), reflex(SECONDS)
     m, p = common_model.model(battery), common_model.pulses(mode, SECONDS, INITIAL_SOC)
     expected, of_peer = common_model.exact(m, p), common_model.exact(m, p, stored_is_heat=True)
@@ -51,24 +48,27 @@ def rows() -> list[Row]:
     }
     warmth = common_model.temperature_error(own, expected, m.ambient_k)
     peers_warmth = common_model.temperature_error(other, of_peer, m.ambient_k)
-    processor = theirs["processor_s"] / statistics.median(said["processor_s"] for said in ours)
-    note = f"rise in temperature: ours {warmth:.0e}, peer's by its own heat {peers_warmth:.0e}; peer run once; "
-    note += f"ratio of processor time {short(processor)}"
+    note = f"rise in temperature: ours {warmth:.0e}, peer's by its own heat {peers_warmth:.0e}; peer run once"
     before = {"this project": ours[0]["before_s"], peer: theirs["before_s"]}
-    count = len(walls)
+    count, of_all = len(ours), ("whole_s", "whole_processor_s")
     solver = compared(
-        NAME, peer, [said["solve_s"] for said in ours], [theirs["solve_s"]] * count, FIGURE,
+        NAME, peer, _times(ours, "solve_s", "processor_s"), _times([theirs] * count, "solve_s", "processor_s"), FIGURE,
         note=note, before_s=before, **errors,
     )  # fmt: skip
-    whole = compared(f"{NAME}, whole process", peer, walls, [theirs_s] * count, **errors)
+    whole = compared(f"{NAME}, whole process", peer, _times(ours, *of_all), _times([theirs] * count, *of_all), **errors)
     return [solver, whole]
 
 
-def _process(side: str) -> tuple[float, dict]:
-    command = [sys.executable, "-m", "benchmarks.hour", side]
+def _times(said: list[dict], wall: str, processor: str) -> Times:
+    return Times([one[wall] for one in said], [one[processor] for one in said])
+
+
+def _process(side: str) -> dict:
+    command, before_s = [sys.executable, "-m", "benchmarks.hour", side], processor_time()
     root = Path(__file__).parents[1]
     seconds, done = once(lambda: subprocess.run(command, cwd=root, check=True, capture_output=True, text=True))
-    return seconds, json.loads(done.stdout.splitlines()[-1])
+    of_process = {"whole_s": seconds, "whole_processor_s": processor_time() - before_s}
+    return json.loads(done.stdout.splitlines()[-1]) | of_process
 
 
 def _ours() -> dict:

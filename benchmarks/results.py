@@ -60,6 +60,7 @@ def as_dict(row: Row) -> dict[str, Any]:
         "ratio_of": "ours over peer" if row.bound == "at most" else "peer over ours",
         "ratio_median": rounded(row.ratio),
         "ratio_range": [rounded(row.lowest), rounded(row.highest)],
+        "processor_ratio": rounded(row.processor_ratio),
         "ratio_asked": None if row.figure is None else f"{row.figure.bound} {row.figure.ratio:g}",
         "ours_error": rounded(row.ours_error),
         "peer_error": rounded(row.peer_error),
@@ -104,6 +105,7 @@ def shown(rows: list[Row]) -> str:
             continue
         one = as_dict(row)
         line = f"{row.name} vs {row.peer}: {seconds(row.ours_s)} against {seconds(row.peer_s)}, {ratio(one)}"
+        line += f", of processor time {short(row.processor_ratio or 0.0)} x"
         line += f"; errors {error(row.ours_error)} and {error(row.peer_error)}" if row.ours_error is not None else ""
         lines.append(f"{line}; {one['ratio_asked'] or 'nothing'} asked: {row.status}")
         lines += [f"    {row.note}"] if row.note else []
@@ -141,8 +143,8 @@ def short(value: float) -> str:
 def table(names: Iterable[str], asked_only: bool = False) -> str:
     """Return the Markdown table of the results on file, in the order of the names."""
     lines = [
-        "| work | peer | ours | peer | median ratio (range) | asked | errors, ours and peer's | |",
-        "|---" * 8 + "|",
+        "| work | peer | ours | peer | median ratio (range) | of processor time | asked | errors, ours and peer's | |",
+        "|---" * 9 + "|",
     ]
     for name in names:
         lines += [_line(row) for row in read(name) if row["ratio_asked"] or not asked_only]
@@ -158,11 +160,12 @@ def write_tables(names: Iterable[str]) -> None:
 def _line(row: dict[str, Any]) -> str:
     asked = (row["ratio_asked"] or "").replace("at least", ">=").replace("at most", "<=")
     if row["status"] == NOT_INSTALLED:
-        return f"| {row['name']} | {row['peer']} | | | {NOT_INSTALLED} | {asked} | | |"
+        return f"| {row['name']} | {row['peer']} | | | {NOT_INSTALLED} | | {asked} | | |"
     errors = ", ".join(error(value) for value in (row["ours_error"], row["peer_error"]) if value is not None)
     status = "" if row["status"] == "measured" else row["status"]
+    spent = f"{short(row['processor_ratio'])} x"
     times = f"{seconds(row['ours_s'])} | {seconds(row['peer_s'])}"
-    return f"| {row['name']} | {row['peer']} | {times} | {ratio(row)} | {asked} | {errors} | {status} |"
+    return f"| {row['name']} | {row['peer']} | {times} | {ratio(row)} | {spent} | {asked} | {errors} | {status} |"
 
 
 def put(text: str, lines: str, begin: str = BEGIN, end: str = END) -> str:
