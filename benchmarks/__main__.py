@@ -14,8 +14,8 @@ from benchmarks import results
 from benchmarks.protocol import Row
 
 WITH_ROWS = ("edge", "averaged", "hour", "switched", "maximum_power", "chemistry")
-OWN_OUTPUT = ("bound", "genetic", "searches")
-SLOW = ("hour",)
+OWN_OUTPUT = ("bound", "instructions", "genetic", "searches")
+SLOW = ("hour", "instructions")
 
 
 def main(arguments: list[str]) -> int:

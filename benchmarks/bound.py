@@ -164,11 +164,11 @@ def bare_arguments(m: Model, p: Pulses) -> tuple[Any, ...]:
     )  # fmt: skip
 
 
-def rows() -> list[dict[str, Any]]:
+def rows(takes: dict[str, float]) -> list[dict[str, Any]]:
     """Return what bounds an edge of each case [s]."""
     warm_up()
-    takes = latencies()
     cycle_s = takes["add"] / LEAST_LATENCY
+    stepped = {row["case"]: row["instructions"] for row in results.read("instructions")}
     every, made = chemistry.every_case(), []
     for name in CASES:
         case = every[name]
@@ -182,6 +182,8 @@ def rows() -> list[dict[str, Any]]:
                 "divisions_s": found["divide"] * takes["free_divide"],
                 "issue_s": max(found["add"], found["multiply"]) / WIDTH * cycle_s,
                 **{kind: found[kind] for kind in ("add", "multiply", "divide", "compare", "function")},
+                "cycles": took_s / cycle_s,
+                "instructions": stepped.get(name),
                 "bare_s": bare_edge_s() if name == chemistry.COMMON else None,
             }
         )
@@ -197,17 +199,18 @@ def table(found: list[dict[str, Any]], takes: dict[str, float]) -> str:
     lines = [
         "Latencies: " + ", ".join(f"{named[kind]} {1e9 * takes[kind]:.2f} ns" for kind in kinds) + ".",
         "",
-        "| an edge of | + - | x | / | functions | comparisons | issue | divisions | longest chain | takes | over all |",
-        "|---" * 11 + "|",
+        "| an edge of | + - | x | / | functions | comparisons | issue | divisions | longest chain | takes | over these "
+        "| instructions | a cycle |",
+        "|---" * 13 + "|",
     ]
     for row in found:
         bounds = [row[key] for key in ("issue_s", "divisions_s", "chain_s")]
         number = " | ".join(f"{row[kind]:.0f}" for kind in ("add", "multiply", "divide", "function", "compare"))
         times = " | ".join(f"{1e9 * bound:.0f} ns" for bound in bounds)
         name = "the common model" if row["case"] == chemistry.COMMON else row["case"]
-        lines.append(
-            f"| {name} | {number} | {times} | {1e9 * row['edge_s']:.0f} ns | {row['edge_s'] / max(bounds):.1f} x |"
-        )
+        took = f"{1e9 * row['edge_s']:.0f} ns | {row['edge_s'] / max(bounds):.1f} x"
+        stepped = row["instructions"]
+        lines.append(f"| {name} | {number} | {times} | {took} | {_each(stepped)} | {_each(stepped, row['cycles'])} |")
     bare_s = found[0]["bare_s"]
     ratio = found[0]["edge_s"] / bare_s
     return "\n".join(
@@ -215,9 +218,16 @@ def table(found: list[dict[str, Any]], takes: dict[str, float]) -> str:
     )
 
 
+def _each(count: float | None, cycles: float | None = None) -> str:
+    if count is None:
+        return ""
+    return f"{count:.0f}" if cycles is None else f"{count / cycles:.1f}"
+
+
 def main() -> None:
     """Measure, print, and write the table."""
-    takes, found = latencies(), rows()
+    takes = latencies()
+    found = rows(takes)
     lines = table(found, takes)
     print(lines)
     about = results.facts(("numba",))
@@ -225,8 +235,7 @@ def main() -> None:
         {key: results.rounded(value) if isinstance(value, float) else value for key, value in row.items()} | about
         for row in found
     ]
-    results.FOLDER.mkdir(exist_ok=True)
-    (results.FOLDER / "bound.json").write_text(json.dumps(written, indent=2) + "\n")
+    results.write("bound", written)
     results.METHOD.write_text(results.put(results.METHOD.read_text(), lines, BEGIN, END))
 
 

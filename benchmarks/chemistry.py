@@ -58,7 +58,7 @@ def rows() -> list[Row]:
     counts = {name: _counts(case) for name, case in every.items()}
     walls = interleaved(runs, rounds=7)
     each = {
-        name: [wall / counts[name][0 if every[name].unit == "edges" else 1] for wall in walls[name]] for name in every
+        name: times.scaled(1.0 / counts[name][0 if every[name].unit == "edges" else 1]) for name, times in walls.items()
     }
     made = []
     for name, case in cases().items():

@@ -50,7 +50,7 @@ def rows() -> list[Row]:
             f"maximum power, {count} conditions", "pvlib, newton", walls["ours"], walls["pvlib"], FIGURE,
             ours_error=own, peer_error=other, error_asked=ERROR_ASKED,
             error_means=f"power against pvlib's brentq, relative, {CHECKED} conditions",
-            note=f"{count / np.median(walls['ours']):.1e} conditions a second; the two are {apart:.0e} apart at most",
+            note=f"{count / np.median(walls['ours'].wall_s):.1e} a second; at most {apart:.0e} between the two",
             before_s={"this project": compile_s, "fit of the panel": fit_s},
         )  # fmt: skip
         made.append(row)

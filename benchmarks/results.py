@@ -60,6 +60,7 @@ def as_dict(row: Row) -> dict[str, Any]:
         "ratio_of": "ours over peer" if row.bound == "at most" else "peer over ours",
         "ratio_median": rounded(row.ratio),
         "ratio_range": [rounded(row.lowest), rounded(row.highest)],
+        "processor_ratio": rounded(row.processor_ratio),
         "ratio_asked": None if row.figure is None else f"{row.figure.bound} {row.figure.ratio:g}",
         "ours_error": rounded(row.ours_error),
         "peer_error": rounded(row.peer_error),
@@ -79,9 +80,20 @@ def rounded(value: float | None) -> float | None:
 
 def save(name: str, rows: list[Row], about: dict[str, Any]) -> None:
     """Write the rows of a benchmark, each with the versions and the machine it was measured with."""
+    write(name, [as_dict(row) | about for row in rows])
+
+
+def write(name: str, rows: list[dict[str, Any]]) -> None:
+    """Write rows to the file of a benchmark."""
     FOLDER.mkdir(exist_ok=True)
-    written = [as_dict(row) | about for row in rows]
-    (FOLDER / f"{name}.json").write_text(json.dumps(written, indent=2) + "\n")
+    (FOLDER / f"{name}.json").write_text(json.dumps(rows, indent=2) + "\n")
+
+
+def read(name: str) -> list[dict[str, Any]]:
+    """Return the rows on the file of a benchmark; none where it has not run."""
+    file = FOLDER / f"{name}.json"
+    found: list[dict[str, Any]] = json.loads(file.read_text()) if file.exists() else []
+    return found
 
 
 def shown(rows: list[Row]) -> str:
@@ -93,6 +105,7 @@ def shown(rows: list[Row]) -> str:
             continue
         one = as_dict(row)
         line = f"{row.name} vs {row.peer}: {seconds(row.ours_s)} against {seconds(row.peer_s)}, {ratio(one)}"
+        line += f", of processor time {short(row.processor_ratio or 0.0)} x"
         line += f"; errors {error(row.ours_error)} and {error(row.peer_error)}" if row.ours_error is not None else ""
         lines.append(f"{line}; {one['ratio_asked'] or 'nothing'} asked: {row.status}")
         lines += [f"    {row.note}"] if row.note else []
@@ -130,14 +143,11 @@ def short(value: float) -> str:
 def table(names: Iterable[str], asked_only: bool = False) -> str:
     """Return the Markdown table of the results on file, in the order of the names."""
     lines = [
-        "| work | peer | ours | peer | median ratio (range) | asked | errors, ours and peer's | |",
-        "|---" * 8 + "|",
+        "| work | peer | ours | peer | median ratio (range) | of processor time | asked | errors, ours and peer's | |",
+        "|---" * 9 + "|",
     ]
     for name in names:
-        file = FOLDER / f"{name}.json"
-        if file.exists():
-            rows = json.loads(file.read_text())
-            lines += [_line(row) for row in rows if row["ratio_asked"] or not asked_only]
+        lines += [_line(row) for row in read(name) if row["ratio_asked"] or not asked_only]
     return "\n".join(lines)
 
 
@@ -150,11 +160,12 @@ def write_tables(names: Iterable[str]) -> None:
 def _line(row: dict[str, Any]) -> str:
     asked = (row["ratio_asked"] or "").replace("at least", ">=").replace("at most", "<=")
     if row["status"] == NOT_INSTALLED:
-        return f"| {row['name']} | {row['peer']} | | | {NOT_INSTALLED} | {asked} | | |"
+        return f"| {row['name']} | {row['peer']} | | | {NOT_INSTALLED} | | {asked} | | |"
     errors = ", ".join(error(value) for value in (row["ours_error"], row["peer_error"]) if value is not None)
     status = "" if row["status"] == "measured" else row["status"]
+    spent = f"{short(row['processor_ratio'])} x"
     times = f"{seconds(row['ours_s'])} | {seconds(row['peer_s'])}"
-    return f"| {row['name']} | {row['peer']} | {times} | {ratio(row)} | {asked} | {errors} | {status} |"
+    return f"| {row['name']} | {row['peer']} | {times} | {ratio(row)} | {spent} | {asked} | {errors} | {status} |"
 
 
 def put(text: str, lines: str, begin: str = BEGIN, end: str = END) -> str:

@@ -175,7 +175,7 @@ def rows() -> list[Row]:
     expected = compiled(FINE)()
     runs = {OURS: ours, "controlled": controlled} | {peer: run for peer, (run, there) in peers.items() if there}
     walls = interleaved(runs)
-    walls["solve_ivp RK45, rtol 1e-6"] = [SCALED * wall for wall in walls["solve_ivp RK45, rtol 1e-6"]]
+    walls["solve_ivp RK45, rtol 1e-6"] = walls["solve_ivp RK45, rtol 1e-6"].scaled(SCALED)
     own, listed = _error(ends[OURS], expected), []
     for peer in peers:
         figure = FIGURES.get(peer)

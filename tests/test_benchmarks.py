@@ -10,13 +10,18 @@ from itertools import count
 import numpy as np
 import pytest
 from benchmarks import __main__ as runner
-from benchmarks import common_model, results
+from benchmarks import bound, common_model, counting, results
 from benchmarks.common_model import End
 from benchmarks.peers import ngspice, pybamm_thevenin, runge_kutta, scipy_model
-from benchmarks.protocol import Figure, Row, compared, interleaved, missing, repeated
+from benchmarks.protocol import Figure, Row, Times, compared, interleaved, missing, repeated
 from benchmarks.sheets import reflex
 
 SECONDS, SOC = 10 / 90.0, 0.3
+
+
+def times(walls: list[float]) -> Times:
+    """Return times of which the processor spent half."""
+    return Times(walls, [0.5 * wall for wall in walls])
 
 
 def ticking(step_s: float = 0.004):
@@ -25,13 +30,22 @@ def ticking(step_s: float = 0.004):
 
 
 def test_a_ratio_is_the_median_of_the_rounds_not_of_the_times():
-    row = compared("a", "b", [1.0, 2.0, 4.0], [10.0, 10.0, 100.0])
+    row = compared("a", "b", times([1.0, 2.0, 4.0]), times([10.0, 10.0, 100.0]))
     assert (row.ratio, row.lowest, row.highest) == (10.0, 5.0, 25.0)
     assert (row.ours_s, row.peer_s, row.rounds) == (2.0, 10.0, 3)
 
 
+def test_the_processors_time_stands_beside_and_decides_nothing():
+    row = compared("a", "b", Times([1.0] * 3, [1.0] * 3), Times([30.0] * 3, [5.0] * 3), Figure(20.0))
+    assert (row.ratio, row.processor_ratio, row.status) == (30.0, 5.0, "holds")
+
+
+def test_times_scale_with_the_work():
+    assert Times([1.0, 2.0], [3.0, 4.0]).scaled(2.0) == Times([2.0, 4.0], [6.0, 8.0])
+
+
 def test_a_cost_is_ours_over_the_peers():
-    row = compared("a", "b", [3.0, 3.0, 6.0], [1.0, 2.0, 2.0], Figure(3.5, "at most"))
+    row = compared("a", "b", times([3.0, 3.0, 6.0]), times([1.0, 2.0, 2.0]), Figure(3.5, "at most"))
     assert (row.ratio, row.bound, row.status) == (3.0, "at most", "holds")
 
 
@@ -40,29 +54,29 @@ def test_a_cost_is_ours_over_the_peers():
     [(2500.0, "holds"), (2000.0, "holds"), (1999.0, "above half"), (1000.0, "above half"), (999.0, "fails")],
 )
 def test_only_below_half_its_figure_a_row_fails(ratio, status):
-    assert compared("a", "b", [1.0] * 3, [ratio] * 3, Figure(2000.0)).status == status
+    assert compared("a", "b", times([1.0] * 3), times([ratio] * 3), Figure(2000.0)).status == status
 
 
 @pytest.mark.parametrize(("ratio", "status"), [(1.5, "holds"), (3.0, "above half"), (3.1, "fails")])
 def test_a_cost_fails_above_twice_its_figure(ratio, status):
-    assert compared("a", "b", [ratio] * 3, [1.0] * 3, Figure(1.5, "at most")).status == status
+    assert compared("a", "b", times([ratio] * 3), times([1.0] * 3), Figure(1.5, "at most")).status == status
 
 
 @pytest.mark.parametrize(("found", "status"), [(1e-7, "holds"), (1e-5, "fails"), (math.nan, "fails"), (None, "fails")])
 def test_a_fast_row_with_a_large_error_fails(found, status):
-    row = compared("a", "b", [1.0] * 3, [9.0] * 3, Figure(2.0), ours_error=found, error_asked=1e-6)
+    row = compared("a", "b", times([1.0] * 3), times([9.0] * 3), Figure(2.0), ours_error=found, error_asked=1e-6)
     assert row.status == status
 
 
 def test_without_a_figure_nothing_fails():
-    assert compared("a", "b", [9.0] * 3, [1.0] * 3).status == "measured"
+    assert compared("a", "b", times([9.0] * 3), times([1.0] * 3)).status == "measured"
 
 
 def test_rounds_interleave():
     order: list[str] = []
     walls = interleaved({name: lambda name=name: order.append(name) for name in "abc"}, 3, 0.001, ticking())
     assert order == list("abc" * 3)
-    assert {name: len(times) for name, times in walls.items()} == {"a": 3, "b": 3, "c": 3}
+    assert {name: len(times.wall_s) for name, times in walls.items()} == {"a": 3, "b": 3, "c": 3}
     with pytest.raises(ValueError, match="at least 3"):
         interleaved({"a": lambda: None}, 2)
 
@@ -70,7 +84,8 @@ def test_rounds_interleave():
 def test_short_runs_repeat_until_the_stretch_is_long_enough():
     calls: list[int] = []
     # The clock goes 4 ms at every look: five runs pass 20 ms.
-    assert repeated(lambda: calls.append(1), 0.02, ticking()) == pytest.approx(0.004)
+    wall_s, _ = repeated(lambda: calls.append(1), 0.02, ticking())
+    assert wall_s == pytest.approx(0.004)
     assert len(calls) == 5
     calls.clear()
     repeated(lambda: calls.append(1), 0.02, ticking(0.5))
@@ -98,9 +113,11 @@ def bench(monkeypatch, tmp_path):
 
 
 def test_every_row_runs_before_a_failing_one_ends_it(bench, tmp_path, capsys):
-    slow = compared("slow work", "some peer", [1.0] * 3, [1.0] * 3, Figure(10.0))
+    slow = compared("slow work", "some peer", times([1.0] * 3), times([1.0] * 3), Figure(10.0))
     bench["edge"] = Subject(slow, missing("edge", "absent", Figure(3.0)))
-    bench["switched"] = Subject(compared("other", "peer", [1.0] * 3, [20.0] * 3, Figure(10.0), ours_error=0.0))
+    bench["switched"] = Subject(
+        compared("other", "peer", times([1.0] * 3), times([20.0] * 3), Figure(10.0), ours_error=0.0)
+    )
     assert runner.main(["edge", "switched"]) == 1
     said = capsys.readouterr()
     assert said.err.strip() == "FAILS: slow work vs some peer"
@@ -198,3 +215,24 @@ def test_the_deck_keeps_the_charge_of_a_pulse():
 def test_ngspice_computes_the_same_model(pulsed):
     _, _, m, p = pulsed
     assert common_model.error(ngspice.build(m, p, 1e-4)(), common_model.exact(m, p)) < 1e-4
+
+
+def test_the_bare_loop_computes_the_common_model(pulsed):
+    _, _, m, p = pulsed
+    x, fast, slow, warm, energy, *_ = bound.bare(p.periods, *bound.bare_arguments(m, p))
+    expected = common_model.exact(m, p)
+    assert (1.0 - x, fast, slow, energy) == pytest.approx((*expected[:3], expected.energy_j), rel=1e-11)
+    assert warm == pytest.approx(expected.temperature_k - m.ambient_k, rel=1e-6)
+
+
+def test_numbers_count_what_is_done_to_them_and_know_what_they_wait_for(monkeypatch):
+    monkeypatch.setattr(counting.Count, "done", dict.fromkeys(counting.KINDS, 0))
+    monkeypatch.setattr(counting.Count, "takes", {"add": 1.0, "multiply": 2.0, "divide": 10.0})
+    a, b = counting.Number(3.0), counting.Number(4.0)
+    found = (a + b) * np.float64(2.0) - 1.0 / b + np.float64(5.0) * a
+    assert float(found) == 3.0 * 2.0 + 4.0 * 2.0 - 0.25 + 15.0
+    assert counting.Count.done == {"add": 3, "multiply": 2, "divide": 1, "compare": 0, "function": 0}
+    # The division alone takes longest, then the difference and the sum.
+    assert found.ready == 12.0
+    assert max(a, b) is b
+    assert counting.Count.done["compare"] == 1
