@@ -97,7 +97,9 @@ class EngineSettings(Record):
     """How the engine computes."""
 
     driver: Literal["auto", "edge", "averaged"] = Field(
-        "auto", description="from edge to edge, or strides over many periods; auto: strides above 2 Hz"
+        "auto",
+        description="from edge to edge, or strides over many periods; auto: strides above 2 Hz; under any of them what "
+        "has no periods, and what is watched for a falling voltage or a rising rate, goes from edge to edge",
     )
     tolerance: float = Field(1e-6, gt=1e-13, le=1e-3, description="error of a step relative to current and voltage [1]")
     maximum_step_s: float = Field(60.0, gt=0, description="longest step [s]")

@@ -74,11 +74,17 @@ def _used(row: Mapping[str, Any]) -> float:
 
 
 def _rows_of(data: ReportData, name: str) -> ReportTable:
+    found = list(_rows(data, name))
+    noted = any(row["note"] for row in found)
     rows = tuple(
-        (row["quantity"], plain(row["value"]), row["unit"], _bound(row), row["finding"], row["note"] or None)
-        for row in _rows(data, name)
-    )
-    return ReportTable(f"{name}_rows", "Bounds", "", ("quantity", "value", "unit", "bound", "finding", "note"), rows)
+        (
+            row["quantity"], plain(row["value"]), row["unit"], _bound(row), row["finding"],
+            *([row["note"] or None] if noted else []),
+        )
+        for row in found
+    )  # fmt: skip
+    header = ("quantity", "value", "unit", "bound", "finding", *(["note"] if noted else []))
+    return ReportTable(f"{name}_rows", "Bounds", "", header, rows)
 
 
 def _bound(row: Mapping[str, Any]) -> str | None:
