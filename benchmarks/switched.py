@@ -111,7 +111,7 @@ def measured(run: Run) -> tuple[float, np.ndarray]:
 
 
 def main() -> int:
-    settings = load("converter/fixed_efficiency.yaml")["switched"]
+    settings = load("converter_parts/usual.yaml")
     settings.pop("sources")
     stage = SwitchedStage(**settings)
     # One resistance for both switches, so that a deck needs a source alone.

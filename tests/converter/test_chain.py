@@ -21,6 +21,7 @@ CONF = Path(__file__).parents[2] / "conf"
 def _read(group: str, name: str, record: type):
     settings = yaml.safe_load((CONF / group / f"{name}.yaml").read_text())
     settings.pop("sources")
+    settings.pop("defaults", None)
     return record(**settings)
 
 
