@@ -12,6 +12,7 @@ from pipeline.config.compose import compose_tree
 from pipeline.config.study import study_from
 from pipeline.phases import drafts
 
+DAYS = {f"day/{weather}/cv_reflex_hourly" for weather in ("clear", "half_cloudy", "overcast")}
 HOURLY = {
     f"{kind}/{comparison}/cv_reflex_hourly"
     for kind in ("charge", "second_charge")
@@ -51,7 +52,7 @@ def _swap_figures(tree: dict[str, Any]) -> None:
     ("change", "expected"),
     [
         (_same, set()),
-        (_swap_phases, {*HOURLY, "ensemble", "page"}),
+        (_swap_phases, {*HOURLY, *DAYS, "ensemble", "page"}),
         (_resource, {"page"}),
         (_swap_figures, {"page"}),
     ],

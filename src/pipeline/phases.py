@@ -11,6 +11,8 @@ from pipeline.charge.records import Mode
 from pipeline.config.searching import VARIABLE
 from pipeline.config.study import Study
 from pipeline.converter.records import PowerChain
+from pipeline.day_phases import days, weather_settings
+from pipeline.day_phases import labels as day_labels
 from pipeline.draft import Draft, needed, plain, with_found
 from pipeline.function_phases import functions
 from pipeline.network_phases import STEPS as NETWORK_STEPS
@@ -24,11 +26,17 @@ from pipeline.staging_phases import staging, used_settings
 from pipeline.switched_phases import switched
 from pipeline.tracking_phases import converters, tracking, tracking_titles
 from pipeline.trade_off_phases import trade_offs
+from pipeline.validation_phases import headings, validation
 
 
 def drafts(study: Study) -> list[Draft]:
     """Return the nodes of a study, inputs before those that read them."""
-    parts = (_supply, tracking, converters, finders, network, staging, _charges, _ensemble, trade_offs, switched)
+    parts = [
+        *(_supply, tracking, converters, finders, network, staging),
+        *(_charges, _ensemble, trade_offs, switched, days),
+    ]
+    # A study of the engine itself charges nothing beside its checks.
+    parts = parts if study.validation is None else [validation]
     nodes = [with_found(node) for part in parts for node in part(study)]
     nodes = needed(nodes, FINDERS)
     nodes += functions(study)
@@ -67,7 +75,14 @@ def _supply(study: Study) -> Iterator[Draft]:
         "supply",
         "supply",
         "supply",
-        plain({"panel": study.panel, "weather": study.weather, "converter": _averaged(study), "load": study.load}),
+        plain(
+            {
+                "panel": study.panel,
+                "weather": weather_settings(study),
+                "converter": _averaged(study),
+                "load": study.load,
+            }
+        ),
         inputs={"panel": "panel"},
         sections=("weather", "converter", "load"),
         shown={"supply.parquet": "supply/supply.parquet"},
@@ -231,7 +246,7 @@ def _fitted(study: Study, by_name: Mapping[str, Draft], names: set[str], stateme
 def _figures(study: Study, nodes: list[Draft]) -> Iterator[Draft]:
     made = {_kind(node) for node in nodes}
     for identifier, card in study.figures.items():
-        if {*FINDERS, SECOND, "functions"} & set(card.reads) - made:
+        if {*FINDERS, SECOND, "functions", "day"} & set(card.reads) - made:
             continue
         inputs = {node.name: node.name for node in nodes if _wanted(node, card.reads, card.comparison)}
         yield with_found(
@@ -292,6 +307,8 @@ def _configured(study: Study, reads: Iterable[str]) -> dict[str, Any]:
         found["algorithm"] = plain(study.search.model_copy(update={"variants": {}}))
     if "trade_off" in reads and study.trade_off is not None:
         found["trade_off"] = plain(study.trade_off)
+    if "day" in reads and study.day is not None:
+        found["day"] = day_labels(study)
     if "battery" in reads:
         found["battery"] = plain(study.battery)
     if "tracking" in reads:
@@ -309,8 +326,8 @@ def _named(records: Mapping[str, Record]) -> list[dict[str, Any]]:
 _SHOWN = frozenset(
     {
         *("panel", "supply", "chaos", "objective", "tuning", "search", *NETWORK_STEPS, "functions", "charge"),
-        *("switched", "tracking", "converters", "trade_off", "staging_search", "staging", "front", "verdicts"),
-        "figures",
+        *("weather", "day", "switched", "tracking", "converters", "validation", "trade_off", "staging_search"),
+        *("staging", "front", "verdicts", "figures"),
     }
 )
 
@@ -328,10 +345,11 @@ def _page(study: Study, nodes: list[Draft]) -> Iterator[Draft]:
             "parameters": _parameters(study, {node.step for node in nodes}),
             "command": command(study.study.name, study.overrides),
             "overrides": list(study.overrides),
-            "settings": _configured(study, ("trade_off", "tracking")),
+            "settings": _configured(study, ("trade_off", "tracking", "day")),
             **_labels(study),
             **_searched(study, nodes),
             **(_cells(study) if study.second_battery is not None else {}),
+            **headings(study),
         },
         inputs={node.name: node.name for node in nodes if node.step in _SHOWN},
         shown={"*": ""},

@@ -51,7 +51,11 @@ CHUNK_SIZE = {
     "functions": (1, 8),
     "charge": (4, 12),  # loading the kernels takes as long as a charge or two
     "trade_off": (1, 4),
+    "validation": (1, 1),
     "switched": (1, 12),
+    "weather": (8, 32),
+    "daylight": (8, 32),
+    "day": (12, 24),
     "verdicts": (1, 32),
     "figures": (7, 14),
     "page": (1, 8),
@@ -65,6 +69,7 @@ TARGETS = {
     "staging": ("staging_search", "staging", "front"),
     "functions": ("function_runs", "functions"),
     "charges": ("charge", "switched", "trade_off"),
+    "day": ("weather", "daylight", "day"),
     "figures": ("figures",),
 }
 

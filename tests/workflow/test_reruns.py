@@ -11,9 +11,9 @@ from pipeline import store
 from tests.workflow.conftest import Project, rules
 
 pytestmark = [pytest.mark.workflow, pytest.mark.xdist_group("workflow")]
-SUPPLY = {"fit_panel", "power_supply"}
+SUPPLY = {"fit_panel", "power_supply", "follow_daylight"}
 AFTER_CHARGES = {"switch_converters", "judge_statements", "draw_figures", "write_page", "publish_run"}
-CHARGES = {"charge_battery", "charge_ensemble"}
+CHARGES = {"charge_battery", "charge_ensemble", "charge_over_day"}
 
 
 def test_a_second_run_has_nothing_to_do(project: Project) -> None:
@@ -66,7 +66,7 @@ def test_an_edited_algorithm_searches_again(restored: Project) -> None:
     path = restored.folder / "src/pipeline/search/algorithms/sweep.py"
     path.write_text(path.read_text() + "\n\nANOTHER = 1\n")
     planned = restored.planned()
-    assert {"search_frequency", "charge_battery", *AFTER_CHARGES} == set(planned)
+    assert {"search_frequency", "charge_battery", "charge_over_day", *AFTER_CHARGES} == set(planned)
 
 
 def test_an_edited_comment_runs_nothing(restored: Project) -> None:

@@ -13,17 +13,18 @@ from pipeline.charge import checks as charge_checks
 from pipeline.charge.ensemble import EnsembleSettings
 from pipeline.charge.records import ChargeSettings, EngineSettings, Mode
 from pipeline.charge.trade_off_records import TradeOff
-from pipeline.config import panels, searching, staged, switching
+from pipeline.config import daily, panels, searching, staged, switching
 from pipeline.config.compose import Composed, options
 from pipeline.config.messages import explain
 from pipeline.config.sources import Source, attribute, leaves, split
 from pipeline.converter import checks as supply_checks
 from pipeline.converter.records import Load, PowerChain
+from pipeline.day.records import Day
 from pipeline.errors import UserError, best_matches
 from pipeline.grnn.records import NetworkStudy
 from pipeline.objective.records import ReflexFrequency
 from pipeline.objective.staging_records import Staging
-from pipeline.panel.records import Panel, PanelCurveSettings, Weather
+from pipeline.panel.records import Panel, PanelCurveSettings
 from pipeline.published import checks as published_checks
 from pipeline.published.names import found_quantities
 from pipeline.published.network_names import network_quantities
@@ -38,6 +39,8 @@ from pipeline.search.registry import AnySettings
 from pipeline.taguchi.records import Design
 from pipeline.tracker.records import AnyTracker
 from pipeline.tracker.tracking_records import Tracking
+from pipeline.validation.records import Validation
+from pipeline.weather.records import Weather
 
 # Targets of the workflow, and folders of results/ that are not studies.
 RESERVED = frozenset(
@@ -45,6 +48,7 @@ RESERVED = frozenset(
         "all",
         "benchmarks",
         "charges",
+        "day",
         "figures",
         "functions",
         "logs",
@@ -69,6 +73,7 @@ class StudyCard(Record):
     question: str = Field(description="what the study asks, in a sentence")
     paper: str = Field(description="citation of the paper it follows")
     doi: str = Field(default="", description="the paper's DOI, where it has one")
+    apart: bool = Field(default=False, description="made only when its own target is asked for, not by `all`")
     on_request: dict[str, tuple[str, ...]] = Field(
         default_factory=dict, description="target -> overrides of a run that is made only when the target is asked for"
     )
@@ -126,6 +131,7 @@ class Study(Record):
     charge: ChargeSettings
     engine: EngineSettings = EngineSettings()
     ensemble: EnsembleSettings = EnsembleSettings(samples=0)
+    day: Day | None = Field(default=None, description="days in the sun, held against each other")
     trade_off: TradeOff | None = Field(default=None, description="charge time against peak temperature")
     chaos: ChaosSettings | None = None
     network: NetworkStudy | None = Field(default=None, description="the network that commands a charger")
@@ -136,6 +142,7 @@ class Study(Record):
     staging: Staging | None = Field(default=None, description="search for the currents of a staged charge")
     calibrations: dict[str, Battery] = Field(default_factory=dict, description="batteries it is repeated on, by name")
     functions: FunctionStudy | None = Field(default=None, description="searches on test functions")
+    validation: Validation | None = Field(default=None, description="what the engine is held against, and nothing else")
     figures: dict[str, FigureCard] = Field(default_factory=dict)
     published: dict[str, Statement] = Field(default_factory=dict)
     sources: dict[str, Source] = Field(default_factory=dict)
@@ -162,8 +169,8 @@ def sections(modes_in_use: tuple[str, ...], calibrations: tuple[str, ...] = ()) 
         *("panel", "weather", "converter", "load", "trackers", "tracking", "battery", "second_battery"),
         *modes,
         *charge,
-        *("objective", "design", "search", "oracle", "network", "trade_off", "functions"),
-        *("staging", *(f"calibrations.{name}" for name in calibrations)),
+        *("objective", "design", "search", "oracle", "network", "trade_off", "functions", "day"),
+        *("staging", "validation", *(f"calibrations.{name}" for name in calibrations)),
     )
 
 
@@ -249,7 +256,8 @@ def _unused(path: str, values: Mapping[str, Any]) -> bool:
 def _check_together(composed: Composed, study: Study) -> None:
     """Check what no record can check alone."""
     with _explained(composed):
-        for name in study.modes:
+        # A mode may take its values from another: the one that an override changed is told first.
+        for name in sorted(study.modes, key=lambda name: not _overridden(composed, f"modes.{name}")):
             with _below(composed, f"modes.{name}"):
                 charge_checks.check(study.battery, study.modes[name], study.charge)
                 if study.second_battery is not None:
@@ -257,12 +265,13 @@ def _check_together(composed: Composed, study: Study) -> None:
         if study.panel is not None:
             if study.weather is None or study.converter is None or study.load is None:
                 raise UserError("panel: a study with a panel needs weather, converter and load")
-            power = study.panel.approximate_power_w(study.weather.irradiance_w_m2, study.weather.cell_temperature_c)
+            power = study.panel.approximate_power_w(*daily.brightest(study.weather))
             voltage = study.panel.max_power_voltage_v * study.panel.panels_in_series
             supply_checks.check(power, voltage, study.converter, study.load)
         staged.check(study)
         searching.check(study)
         switching.check(study)
+        daily.check(study)
         tables = {path.stem for path in reference_tables()}
         if study.design is not None and study.design.printed not in {None, *tables}:
             printed = str(study.design.printed)
@@ -309,13 +318,18 @@ def _numbers(study: Study) -> dict[str, set[str]]:
     return numbers | staged.quantities(study) | ({} if study.network is None else network_quantities())
 
 
+def _overridden(composed: Composed, path: str) -> list[str]:
+    """Return the overrides below a key path."""
+    return [word for word in composed.overrides if word.lstrip("+").startswith(f"{path}.")]
+
+
 @contextmanager
 def _below(composed: Composed, path: str) -> Iterator[None]:
     """Put a key path before the message of a check, and the overrides below it, which are the likely cause."""
     try:
         yield
     except (UserError, ValueError) as error:
-        words = [word for word in composed.overrides if word.lstrip("+").startswith(f"{path}.")]
+        words = _overridden(composed, path)
         cause = f"override {' '.join(words)}: " if words else ""
         raise UserError(f"{cause}{path}.{error}") from None
 

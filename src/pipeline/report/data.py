@@ -13,12 +13,14 @@ from numpy.typing import NDArray
 
 from pipeline import (
     schemas,
+    schemas_day,
     schemas_functions,
     schemas_network,
     schemas_staging,
     schemas_supply,
     schemas_switched,
     schemas_trade_off,
+    schemas_validation,
     tables,
 )
 
@@ -47,6 +49,8 @@ FILES: dict[str, tuple[str, tables.Table]] = {
     "statistics": ("statistics.parquet", schemas.SEARCH_STATISTICS),
     "comparison": ("comparison.parquet", schemas.SEARCH_COMPARISON),
     **schemas_switched.FILES,
+    **schemas_day.FILES,
+    **schemas_validation.FILES,
     **schemas_supply.FILES,
     **{table: found for (_, table), found in schemas_network.ARTEFACTS.items()},
     "staging_runs": ("runs.parquet", schemas_staging.STAGING_RUNS),

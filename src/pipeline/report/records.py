@@ -118,11 +118,24 @@ class StageSearchOptions(Record):
     searches: dict[str, str] = Field(min_length=1, max_length=7, description="name of a search -> what it is called")
 
 
+class CheckOptions(Record):
+    """The lines of a check of the engine."""
+
+    check: str = Field(min_length=1, description="name of the check")
+    columns: int = Field(default=2, ge=1, le=4, description="fields in a row")
+
+
 class CircuitOptions(Record):
     """One of the paper's diagrams of the system."""
 
     part: Literal["system", "mode_1", "mode_2", "architecture"]
     mode: str = Field(default="cv_reflex", min_length=1, description="mode whose discharge the resistor is drawn for")
+
+
+class DayBarsOptions(Record):
+    """Days in the sun, split into parts."""
+
+    quantity: Literal["energy", "time"] = Field(default="energy", description="what the bars split")
 
 
 DRAWINGS: dict[str, type[Record]] = {
@@ -135,6 +148,8 @@ DRAWINGS: dict[str, type[Record]] = {
     "circuit": CircuitOptions,
     "convergence": ConvergenceOptions,
     "control_loop": NoOptions,
+    "day_bars": DayBarsOptions,
+    "day_course": NoOptions,
     "energy": NoOptions,
     "efficiency_map": NoOptions,
     "enlarged": EnlargedOptions,
@@ -169,6 +184,8 @@ DRAWINGS: dict[str, type[Record]] = {
     "tracker_ramp": NoOptions,
     "trade_off": NoOptions,
     "two_cells": NoOptions,
+    "validation_differences": CheckOptions,
+    "validation_orders": CheckOptions,
 }
 """Every module under `figures` and the record of its options."""
 
@@ -176,7 +193,11 @@ DRAWINGS: dict[str, type[Record]] = {
 Read = Literal[
     "modes", "system", "algorithm", "battery", "stage_search", "panel", "supply", "chaos", "objective", "tuning",
     "search", "surface", "network", "network_size", "network_kernels", "functions", "charge", "switched", "trade_off",
+<<<<<<< HEAD
     "staging_search", "staging", "front", "tracking", "converters", "second_charge",
+=======
+    "weather", "day", "staging_search", "staging", "front", "second_charge", "tracking", "converters", "validation",
+>>>>>>> main
 ]  # fmt: skip
 """What a figure may read."""
 

@@ -8,25 +8,28 @@ from typing import Any
 
 from pydantic import TypeAdapter
 
-from pipeline import schemas, tables
+from pipeline import own_series, schemas, tables
 from pipeline.converter.chain import battery_power
 from pipeline.converter.records import Load, PowerChain
 from pipeline.panel import curves
-from pipeline.panel.records import Panel, Weather
+from pipeline.panel.records import Panel
 from pipeline.panel.single_diode import SingleDiode
-from pipeline.panel.weather import conditions
+from pipeline.weather.records import Weather
+from pipeline.weather.sky import sky_of
 
 
 def run(settings: Mapping[str, Any], inputs: Mapping[str, Path], output: Path) -> None:
     """Follow the panel's maximum power through the converters to the battery."""
     panel = Panel.model_validate(settings["panel"])
-    weather: Weather = TypeAdapter(Weather).validate_python(settings["weather"])
+    weather: Weather = TypeAdapter(Weather).validate_python(own_series.without_digest(settings["weather"]))
     fitted = tables.read(schemas.PANEL_PARAMETERS, inputs["panel"] / "parameters.parquet")
     diode = SingleDiode(**{name: float(fitted[name][0]) for name in SingleDiode._fields})
-    sky = conditions(weather)
+    sky = sky_of(weather, 0.0, own_series.weather_rows(weather))  # how warm the air is has no say here
     points = curves.points(panel, diode, sky.irradiance_w_m2, sky.cell_temperature_c)
     supply = battery_power(
-        *sky,
+        sky.time_s,
+        sky.irradiance_w_m2,
+        sky.cell_temperature_c,
         points["max_power_w"],
         PowerChain.model_validate(settings["converter"]),
         Load.model_validate(settings["load"]),

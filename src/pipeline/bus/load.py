@@ -1,0 +1,53 @@
+"""The load's power over time."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from pipeline.bus.records import HourlyLoad, LoadProfile
+from pipeline.converter.records import Load
+
+Array = NDArray[np.float64]
+_DAY_S = 86400.0
+
+
+class Drawn(NamedTuple):
+    """Power over time, each row until the next: seconds since midnight [s], power [W], shape (n,) each."""
+
+    clock_s: Array
+    power_w: Array
+
+
+def drawn(load: LoadProfile, from_s: float, until_s: float, measured: Drawn | None = None) -> Drawn:
+    """Return what a load draws between two times.
+
+    Arguments
+    ---------
+    load : the record.
+    from_s, until_s : times since midnight of the first day [s]; the first row is at the first.
+    measured : what the load's file holds, where it has one; what comes before its first row draws what that row draws.
+    """
+    if isinstance(load, Load):
+        return Drawn(np.array([from_s]), np.array([load.power_w]))
+    if isinstance(load, HourlyLoad):
+        days = np.arange(np.floor(from_s / _DAY_S), np.floor(until_s / _DAY_S) + 1.0)
+        clock_s = (days[:, None] * _DAY_S + [3600.0 * row.from_h for row in load.hours]).ravel()
+        found = Drawn(clock_s, np.tile([row.power_w for row in load.hours], len(days)))
+    elif measured is None:
+        raise ValueError(f"load {load.title!r} needs the rows of its file, {load.file}")
+    else:
+        found = measured
+    first = max(0, int(np.searchsorted(found.clock_s, from_s, side="right")) - 1)
+    last = max(first + 1, int(np.searchsorted(found.clock_s, until_s, side="left")))
+    clock_s = found.clock_s[first:last].copy()
+    clock_s[0] = from_s
+    return Drawn(clock_s, found.power_w[first:last])
+
+
+def held(starts: ArrayLike, values: ArrayLike, at: ArrayLike) -> Array:
+    """Return what is held at times: the value of the last row that has begun, shape of `at`."""
+    rows = np.searchsorted(np.asarray(starts, dtype=float), np.asarray(at, dtype=float), side="right") - 1
+    return np.asarray(values, dtype=np.float64)[np.maximum(rows, 0)]

@@ -1,0 +1,1 @@
+"""A day in the sun: weather, panel, bus and battery together."""

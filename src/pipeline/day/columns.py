@@ -1,0 +1,132 @@
+"""What came of a day as columns: the trace with every power in it, the changes, the stages from sun to battery."""
+
+from __future__ import annotations
+
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from pipeline.bus.flows import Available, flows
+from pipeline.bus.load import held
+from pipeline.bus.switches import state_at
+from pipeline.converter.records import PowerChain
+from pipeline.day.charge import DayCharge
+from pipeline.day.sunlight import Sunlight
+
+Columns = dict[str, Any]
+_JOULE_PER_WH = 3600.0
+# What a current of nothing but rounding takes out.
+_ROUNDING_W = 1e-9
+
+
+def trace(charge: DayCharge, sun: Sunlight, chain: PowerChain, clock_s: float) -> Columns:
+    """Return the columns of DAY_TRACE.
+
+    Arguments
+    ---------
+    charge, sun : the day, with its battery and without.
+    chain : the converters.
+    clock_s : local time at time 0 [s].
+    """
+    engine = charge.trace
+    end_s = engine["Test Time / s"]
+    interval_s = np.diff(end_s, prepend=0.0)
+    start_s = end_s - interval_s
+
+    def mean_w(name: str) -> Any:
+        return np.diff(engine[name], prepend=0.0) * _JOULE_PER_WH / interval_s
+
+    rows = held(sun.time_s, np.arange(len(sun.time_s), dtype=float), 0.5 * (start_s + end_s)).astype(int)
+    could = Available(*(part[rows] for part in sun.could))
+    discharge_w = mean_w("Discharging Energy / Wh")
+    did = flows(
+        mean_w("Charging Energy / Wh"),
+        np.where(discharge_w > _ROUNDING_W, discharge_w, 0.0),
+        could,
+        chain,
+        sun.panel_voltage_v[rows],
+    )
+    return {
+        "time_s": end_s,
+        "clock_s": end_s + clock_s,
+        "interval_s": interval_s,
+        "state": state_at(charge.changes, 0.5 * (start_s + end_s)),
+        "irradiance_w_m2": sun.irradiance_w_m2[rows],
+        "cell_temperature_c": sun.cell_temperature_c[rows],
+        "ambient_c": sun.ambient_c[rows],
+        "reference_w": sun.reference_w[rows],
+        "panel_w": could.panel_w,
+        "tracked_w": could.tracked_w,
+        "drawn_w": did.drawn_w,
+        "curtailed_w": did.curtailed_w,
+        "bus_w": did.bus_w,
+        "load_w": could.load_w,
+        "served_w": could.served_w,
+        "buck_w": did.buck_w,
+        "available_w": could.battery_w,
+        "charge_w": did.charge_w,
+        "discharge_w": did.discharge_w,
+        "current_a": engine["Current / A"],
+        "voltage_v": engine["Voltage / V"],
+        "soc": engine["soc"],
+        "temperature_c": engine["Surface Temperature T1 / degC"],
+        "supply_limited_share": engine["supply_limited_share"],
+        "voltage_limited_share": engine["voltage_limited_share"],
+    }
+
+
+def switching(charge: DayCharge, clock_s: float) -> Columns:
+    """Return the columns of DAY_SWITCHING."""
+    changes = charge.changes
+    return {
+        "time_s": [change.time_s for change in changes],
+        "clock_s": [change.time_s + clock_s for change in changes],
+        "before": [change.before for change in changes],
+        "after": [change.after for change in changes],
+        "reason": [change.reason for change in changes],
+        "s2_share": [change.closed.s2 for change in changes],
+        "s3_share": [change.closed.s3 for change in changes],
+        "s4_share": [change.closed.s4 for change in changes],
+        "pulses_hz": [change.pulses_hz for change in changes],
+    }
+
+
+class Stage(NamedTuple):
+    """A part of the sun's energy."""
+
+    stage: str
+    role: str
+    energy_j: float
+    description: str
+
+
+def stages(found: Columns, charge: DayCharge) -> list[Stage]:
+    """Return where the energy goes; all after the first add up to the first.
+
+    Arguments
+    ---------
+    found : the columns of DAY_TRACE.
+    charge : the day's battery; what its first law leaves over counts among its heat.
+    """
+    of_path = dict(zip(charge.energy["path"], charge.energy["energy_j"], strict=True))
+
+    def energy(name: str) -> float:
+        return float(np.sum(found[name] * found["interval_s"]))
+
+    stored = float(of_path["chemical"])
+    return [
+        Stage(
+            "sun", "input", energy("reference_w"), "what the panel would give at its efficiency of standard conditions"
+        ),
+        Stage("panel", "loss", energy("reference_w") - energy("panel_w"), "cells warmer, light dimmer than standard"),
+        Stage("tracker", "loss", energy("panel_w") - energy("tracked_w"), "beside the maximum power"),
+        Stage("curtailed", "unused", energy("curtailed_w"), "for which the bus has no use"),
+        Stage("boost", "loss", energy("drawn_w") - energy("bus_w"), "heat of the boost converter"),
+        Stage("load", "use", energy("served_w"), "what the load gets"),
+        Stage("buck", "loss", energy("buck_w") - energy("charge_w"), "heat of the buck converter"),
+        Stage("resistor", "loss", energy("discharge_w"), "what discharge pulses give up in the resistor"),
+        Stage(
+            "battery", "loss", energy("charge_w") - energy("discharge_w") - stored, "heat of the battery, and its gas"
+        ),
+        Stage("stored", "stored", stored, "chemical energy H(SOC) gained"),
+    ]

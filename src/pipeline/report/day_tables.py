@@ -1,0 +1,133 @@
+"""The section on days in the sun: what each came to, as sentences, tables and figures."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+from pipeline.report.data import ReportData
+from pipeline.report.tables import Cell, ReportTable, plain
+
+_HOUR_S = 3600.0
+_ROWS = (
+    ("irradiation_kwh_m2", "light on the panel / kWh/m²", 1.0),
+    ("sun_wh", "that light at the panel's standard efficiency / Wh", 1.0),
+    ("panel_wh", "lost: cells warmer, light dimmer than standard / Wh", 1.0),
+    ("tracker_wh", "lost beside the maximum power / Wh", 1.0),
+    ("curtailed_wh", "not drawn: the bus has no use for it / Wh", 1.0),
+    ("boost_wh", "heat of the boost converter / Wh", 1.0),
+    ("load_wh", "load / Wh", 1.0),
+    ("buck_wh", "heat of the buck converter / Wh", 1.0),
+    ("resistor_wh", "discharge resistor / Wh", 1.0),
+    ("battery_wh", "heat of the battery / Wh", 1.0),
+    ("stored_wh", "stored in the battery / Wh", 1.0),
+    ("unserved_wh", "asked for by the load, not given / Wh", 1.0),
+    ("end_soc", "state of charge at last light", 1.0),
+    ("ended_clock_s", "charged at / h, local time", _HOUR_S),
+    ("charging_s", "time charging, pauses of pulses left out / h", _HOUR_S),
+    ("current_limited_s", "of it at the current limit / h", _HOUR_S),
+    ("voltage_limited_s", "of it at the voltage limit / h", _HOUR_S),
+    ("supply_limited_s", "of it at the limit of the supply / h", _HOUR_S),
+    ("peak_temperature_c", "highest battery temperature / °C", 1.0),
+    ("end_temperature_c", "battery temperature at last light / °C", 1.0),
+    ("mean_ambient_c", "air, mean of the day / °C", 1.0),
+    ("switchings", "changes of state", 1.0),
+)
+_STATES = {"off": "off", "mode_1": "Mode 1", "mode_2": "Mode 2", "ended": "ended"}
+
+
+def weathers(data: ReportData) -> Mapping[str, str]:
+    """Return the name of each day's weather -> its title, in the order of the configuration."""
+    found: Mapping[str, str] = data.settings.get("day", {}).get("weathers", {})
+    return {name: title for name, title in found.items() if charged(data, name)}
+
+
+def charged(data: ReportData, weather: str) -> list[str]:
+    """Return the modes that were charged in a weather, in the order of the run."""
+    return [mode for mode in data.modes if f"day/{weather}/{mode}" in data.inputs]
+
+
+def numbers(data: ReportData) -> ReportTable:
+    """Return the numbers of every day: a row per weather and quantity, a column per mode."""
+    rows: list[tuple[Cell, ...]] = []
+    modes = [mode for mode in data.modes if any(mode in charged(data, name) for name in weathers(data))]
+    for name, title in weathers(data).items():
+        sky = data.numbers(f"weather/{name}")
+        found = {mode: sky | data.numbers(f"day/{name}/{mode}") for mode in charged(data, name)}
+        for quantity, words, scale in _ROWS:
+            values = (found.get(mode, {}).get(quantity) for mode in modes)
+            rows.append((title, words, *(None if value is None else value / scale for value in values)))
+    return ReportTable(
+        "days",
+        "The days in numbers",
+        "The parts of the light at the panel's standard efficiency add up to it. Empty: not charged by last light.",
+        ("day", "quantity", *(data.modes[mode].title for mode in modes)),
+        tuple(rows),
+        grouped=True,
+    )
+
+
+def switchings(data: ReportData) -> ReportTable:
+    """Return every change of the switches, with the reason."""
+    rows: list[tuple[Cell, ...]] = []
+    for name, title in weathers(data).items():
+        for mode in charged(data, name):
+            found = data.table(f"day/{name}/{mode}", "day_switching")
+            for row in range(len(found["time_s"])):
+                shares = (f"{100.0 * float(found[f's{switch}_share'][row]):g} %" for switch in (2, 3, 4))
+                rows.append(
+                    (
+                        title,
+                        data.modes[mode].title,
+                        clock(float(found["clock_s"][row])),
+                        _STATES.get(str(found["after"][row]), str(found["after"][row])),
+                        str(found["reason"][row]),
+                        *shares,
+                        plain(found["pulses_hz"][row]) or None,
+                    )
+                )
+    return ReportTable(
+        "day_switchings",
+        "When the switches change, and why",
+        "Shares of the time for which switches S2, S3 and S4 are closed from then on. Pauses stop a phase's clock.",
+        ("day", "mode", "local time", "state", "reason", "S2", "S3", "S4", "pulses / Hz"),
+        tuple(rows),
+        grouped=True,
+    )
+
+
+def clock(seconds: float) -> str:
+    """Return seconds since midnight as hours, minutes and seconds."""
+    whole = round(seconds) % 86400
+    return f"{whole // 3600:02d}:{whole // 60 % 60:02d}:{whole % 60:02d}"
+
+
+def text(data: ReportData) -> str:
+    """Return what the days come to in sentences, every number of which was computed."""
+    sentences = []
+    for name, title in weathers(data).items():
+        sky, modes = data.numbers(f"weather/{name}"), charged(data, name)
+        found = {mode: data.numbers(f"day/{name}/{mode}") for mode in modes}
+        parts = [_fate(data.modes[mode].title, found[mode]) for mode in modes]
+        first = found[modes[0]]
+        share = 100.0 * first["stored_wh"] / first["sun_wh"] if first["sun_wh"] else 0.0
+        unused = 100.0 * first["curtailed_wh"] / first["sun_wh"] if first["sun_wh"] else 0.0
+        sentences.append(
+            f"{title.capitalize()} day, {sky['irradiation_kwh_m2']:.2f} kWh/m²: {'; '.join(parts)}. With "
+            f"{data.modes[modes[0]].title}, {share:.0f} % of what the panel could give at its standard efficiency is "
+            f"stored, and for {unused:.0f} % there is no use."
+        )
+        if sky.get("gaps"):
+            sentences.append(
+                f"Its file has {sky['gaps']:.0f} gaps, {sky['gap_s']:.0f} s together, which count as dark."
+            )
+    sentences.append(
+        "The load is served first, and nothing leads from the battery back to the bus: what the sun does not give the "
+        "load, it does not get. The bus is taken to store nothing, so that sun is also unused while a pulse pauses."
+    )
+    return " ".join(sentences)
+
+
+def _fate(title: str, found: Mapping[str, float]) -> str:
+    if "ended_clock_s" in found:
+        return f"{title} is done at {clock(found['ended_clock_s'])[:5]}"
+    return f"{title} reaches {100.0 * found['end_soc']:.1f} % by last light"

@@ -1,0 +1,137 @@
+"""A day at a place, clear or with clouds, by pvlib."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pipeline.errors import UserError
+from pipeline.weather.cells import cell_temperature_c
+from pipeline.weather.clouds import transmittance
+from pipeline.weather.records import Air, ClearSky, CloudySky
+from pipeline.weather.sky import Sky
+
+Array = NDArray[np.float64]
+_DAY_S = 86400.0
+
+
+class Components(NamedTuple):
+    """Irradiance on the horizontal, from the sun's direction, and diffuse [W/m2], shape (n,) each."""
+
+    ghi: Array
+    dni: Array
+    dhi: Array
+
+
+class Sun(NamedTuple):
+    """Where the sun stands in each interval [deg], [1], [W/m2], shape (n,) each."""
+
+    day_of_year: NDArray[np.int64]
+    zenith: Array
+    apparent_zenith: Array
+    azimuth: Array
+    airmass: Array
+    extra: Array
+
+
+def day(weather: ClearSky) -> Sky:
+    """Return a day from its first light to its last, each interval with the values of its middle.
+
+    Under a cloud the clear sky's global irradiance is cut to the cloud's share and split anew into beam and diffuse by
+    Erbs et al. (1982), DOI 10.1016/0038-092X(82)90302-4; onto the panel by Hay and Davies (1980).
+
+    Raises
+    ------
+    UserError : the sun does not rise.
+    """
+    start_s: Array = np.arange(round(_DAY_S / weather.interval_s), dtype=np.float64) * weather.interval_s
+    sun = sun_at(weather, start_s + 0.5 * weather.interval_s)
+    found = clear(weather, sun)
+    if isinstance(weather, CloudySky):
+        found = clouded(weather, sun, found, start_s + 0.5 * weather.interval_s)
+    irradiance = on_panel(weather, sun, found)
+    lit = np.flatnonzero(irradiance > 0.0)
+    if not len(lit):
+        raise UserError(
+            f"date is {weather.date}, place.latitude_deg {weather.place.latitude_deg:g}: the sun does not rise on the "
+            "panel; take another date or place"
+        )
+    rows = slice(lit[0], lit[-1] + 1)
+    time_s, irradiance = start_s[rows], irradiance[rows]
+    ambient = air_c(weather.air, time_s + 0.5 * weather.interval_s)
+    cells = cell_temperature_c(weather.cell_temperature, irradiance, ambient, weather.air.wind_m_s)
+    first = float(time_s[0])
+    return Sky(time_s - first, irradiance, ambient, cells, first, float(time_s[-1]) - first + weather.interval_s)
+
+
+def sun_at(weather: ClearSky, clock_s: Array) -> Sun:
+    """Return where the sun stands at seconds since local midnight."""
+    import pandas as pd
+    from pvlib import atmosphere, irradiance, solarposition
+
+    place = weather.place
+    midnight = pd.Timestamp(weather.date, tz="UTC") - pd.Timedelta(hours=place.utc_offset_h)
+    times = midnight + pd.to_timedelta(clock_s, unit="s")
+    found = solarposition.get_solarposition(times, place.latitude_deg, place.longitude_deg, altitude=place.altitude_m)
+    relative = atmosphere.get_relative_airmass(found["apparent_zenith"])
+    airmass = atmosphere.get_absolute_airmass(relative, atmosphere.alt2pres(place.altitude_m))
+    parts = (found["zenith"], found["apparent_zenith"], found["azimuth"], airmass)
+    day_of_year = times.day_of_year.to_numpy()
+    extra = irradiance.get_extra_radiation(day_of_year)
+    return Sun(day_of_year, *(np.asarray(part, dtype=float) for part in (*parts, extra)))
+
+
+def clear(weather: ClearSky, sun: Sun) -> Components:
+    """Return the clear sky's irradiance."""
+    from pvlib import clearsky
+
+    # At night pvlib divides by a beam that is zero.
+    with np.errstate(divide="ignore", invalid="ignore"):
+        found = clearsky.ineichen(
+            sun.apparent_zenith,
+            sun.airmass,
+            weather.linke_turbidity,
+            altitude=weather.place.altitude_m,
+            dni_extra=sun.extra,
+        )
+    return Components(*(np.nan_to_num(np.asarray(found[name], dtype=float)) for name in ("ghi", "dni", "dhi")))
+
+
+def clouded(weather: CloudySky, sun: Sun, found: Components, clock_s: Array) -> Components:
+    """Return the irradiance with clouds before the sun; between clouds it is the clear sky's."""
+    from pvlib import irradiance
+
+    share = transmittance(weather.clouds, clock_s)
+    ghi = share * found.ghi
+    split = irradiance.erbs(ghi, sun.zenith, sun.day_of_year)
+    dni, dhi = (np.nan_to_num(np.asarray(split[name], dtype=float)) for name in ("dni", "dhi"))
+    open_sky = share == 1.0
+    return Components(ghi, np.where(open_sky, found.dni, dni), np.where(open_sky, found.dhi, dhi))
+
+
+def on_panel(weather: ClearSky, sun: Sun, found: Components) -> Array:
+    """Return the irradiance on the panel's plane [W/m2], shape (n,)."""
+    from pvlib import irradiance
+
+    total = irradiance.get_total_irradiance(
+        weather.surface.tilt_deg,
+        weather.surface.azimuth_deg,
+        sun.apparent_zenith,
+        sun.azimuth,
+        found.dni,
+        found.ghi,
+        found.dhi,
+        dni_extra=sun.extra,
+        albedo=weather.surface.albedo,
+        model="haydavies",
+    )
+    return np.asarray(np.maximum(0.0, np.nan_to_num(total["poa_global"])), dtype=np.float64)
+
+
+def air_c(air: Air, clock_s: Array) -> Array:
+    """Return the temperature of the air at seconds since midnight [degC], shape (n,)."""
+    turn = 2.0 * np.pi * (clock_s - 3600.0 * air.warmest_h) / _DAY_S
+    middle, half = 0.5 * (air.highest_c + air.lowest_c), 0.5 * (air.highest_c - air.lowest_c)
+    return np.asarray(middle + half * np.cos(turn), dtype=np.float64)

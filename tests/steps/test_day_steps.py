@@ -1,0 +1,92 @@
+"""The steps of a day one after the other, on files of one's own: what is written, and written again alike."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from pipeline import schemas, schemas_day, tables
+from pipeline.config.compose import compose_tree
+from pipeline.config.study import study_from
+from pipeline.digest import of_file
+from pipeline.phases import drafts
+from pipeline.steps import day, daylight, panel, weather
+
+STEPS = {"panel": panel, "weather": weather, "daylight": daylight, "day": day}
+
+
+@pytest.fixture(scope="module")
+def made(tmp_path_factory):
+    """A short day of one's own, with a gap and a load of one's own; made twice."""
+    folder = tmp_path_factory.mktemp("day")
+    rows = [f"{21600 + 60 * n},{500 + 5 * n},20" for n in range(30)] + ["27000,700,21", "27060,700,21"]
+    (folder / "sun.csv").write_text("\n".join(["time_s,irradiance_w_m2,ambient_c", *rows]))
+    (folder / "load.csv").write_text("time_s,power_w\n0,4\n22800,8\n")
+    words = [
+        "weather@day.weathers.clear=measured", f"day.weathers.clear.file={folder / 'sun.csv'}",
+        "load@day.load=measured", f"day.load.file={folder / 'load.csv'}", "~day.weathers.half_cloudy",
+        "~day.weathers.overcast", "day.modes=[cv_reflex]", "modes.cv_reflex.frequency_hz=20",
+        "battery=lead_acid_12v18ah",
+    ]  # fmt: skip
+    nodes = {node.name: node for node in drafts(study_from(compose_tree(words)))}
+    found = []
+    for turn in ("first", "again"):
+        places = {"engine": folder}
+        for name in ("panel", "weather/clear", "daylight/clear", "day/clear/cv_reflex"):
+            places[name] = folder / turn / name.replace("/", "-")
+            places[name].mkdir(parents=True)
+            inputs = {name: places[name] for name in nodes[name].inputs}
+            STEPS[nodes[name].step].run(nodes[name].settings, inputs, places[name])
+        found.append(places)
+    return found
+
+
+def read(places, kind, table):
+    source = {"weather": "weather/clear", "daylight": "daylight/clear", "day": "day/clear/cv_reflex"}[kind]
+    file, declaration = schemas_day.ARTEFACTS[kind, table]
+    return tables.read(declaration, places[source] / file)
+
+
+def test_every_artefact_is_written_and_the_same_again(made):
+    first, again = made
+    for (kind, table), (file, _) in schemas_day.ARTEFACTS.items():
+        read(first, kind, table)
+        source = {"weather": "weather/clear", "daylight": "daylight/clear", "day": "day/clear/cv_reflex"}[kind]
+        assert of_file(first[source] / file) == of_file(again[source] / file)
+
+
+def test_the_gap_is_told_and_dark(made):
+    found = read(made[0], "weather", "quantities")
+    numbers = dict(zip(found["quantity"], found["value"], strict=True))
+    assert (numbers["gaps"], numbers["gap_s"]) == (1, 27000 - (21600 + 29 * 60) - 1800)
+    light = read(made[0], "daylight", "daylight")
+    dark = light["irradiance_w_m2"] == 0
+    assert light["interval_s"][dark].sum() == pytest.approx(numbers["gap_s"])
+    assert light["battery_w"][dark].max() == 0.0
+
+
+def test_the_load_is_that_of_the_file(made):
+    light = read(made[0], "daylight", "daylight")
+    np.testing.assert_array_equal(light["load_w"], np.where(light["clock_s"] < 22800, 4.0, 8.0))
+
+
+def test_the_tracker_draws_nearly_all_and_never_more(made):
+    light = read(made[0], "daylight", "daylight")
+    assert (light["tracked_w"] <= light["panel_w"]).all()
+    assert np.sum(light["tracked_w"] * light["interval_s"]) > 0.98 * np.sum(light["panel_w"] * light["interval_s"])
+
+
+def test_the_switches_tell_of_the_gap(made):
+    found = read(made[0], "day", "day_switching")
+    # The 59 minutes before the gap and the first one after it make the hour of the sheet.
+    assert found["after"].tolist() == ["mode_1", "off", "mode_1", "mode_2"]
+    assert found["clock_s"] == pytest.approx([21600, 21600 + 29 * 60 + 1800, 27000, 27060])
+    trace = read(made[0], "day", "day_trace")
+    assert trace["soc"][-1] > 0.2
+    assert trace["charge_w"][trace["state"] == "off"].max() < 1e-9
+
+
+def test_numbers_fit_the_tables_of_the_report(made):
+    found = read(made[0], "day", "quantities")
+    assert {"end_soc", "stored_wh", "curtailed_wh", "supply_limited_s"} <= set(found["quantity"])
+    assert schemas.QUANTITIES.columns[0].name == "quantity"
