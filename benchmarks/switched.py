@@ -126,7 +126,7 @@ def _error(found: np.ndarray, expected: np.ndarray) -> float:
 
 def rows() -> list[Row]:
     """Return a row a peer, and one of ours under its control, which costs more than a fixed duty."""
-    settings = load("converter/fixed_efficiency.yaml")["switched"]
+    settings = load("converter_parts/usual.yaml")
     settings.pop("sources")
     stage = SwitchedStage(**settings)
     # One resistance for both switches, so that a deck needs a source alone.

@@ -9,13 +9,30 @@ from pathlib import Path
 
 import pytest
 import yaml
+from pydantic import TypeAdapter
 
+from pipeline.converter.loss_records import ChainLosses
 from pipeline.converter.records import Load, PowerChain
+from pipeline.converter.switched_records import SwitchedStage
+from pipeline.panel.database import PanelEntry
 from pipeline.panel.records import ConstantWeather, Panel
+from pipeline.tracker.records import AnyTracker
+from pipeline.tracker.tracking_records import Tracking
 
 CONF = Path(__file__).parents[2] / "conf"
+GROUPS = {
+    "panel": Panel | PanelEntry,
+    "weather": ConstantWeather,
+    "converter": PowerChain,
+    "converter_parts": SwitchedStage,
+    "converter_losses": ChainLosses,
+    "load": Load,
+    "tracker": AnyTracker,
+    "tracking": Tracking,
+}
+PARTS = {"switched": "converter_parts", "losses": "converter_losses"}
+"""What the converters' files take from other groups."""
 # The other kinds of weather and load are composed with their defaults in tests/config/test_daily.py.
-GROUPS = {"panel": Panel, "weather": ConstantWeather, "converter": PowerChain, "load": Load}
 PLAIN = {"weather": ("constant",), "load": ("master_system",)}
 FILES = [
     path
@@ -29,7 +46,14 @@ FILES = [
 def test_every_number_has_a_source(path):
     settings = yaml.safe_load(path.read_text())
     sources = joined(settings)
-    GROUPS[path.parent.name](**settings)
+    whole = settings
+    if settings.pop("defaults", None):
+        whole = settings | {
+            key: yaml.safe_load((CONF / group / "usual.yaml").read_text()) for key, group in PARTS.items()
+        }
+        for key in PARTS:
+            whole[key].pop("sources")
+    TypeAdapter(GROUPS[path.parent.name]).validate_python(whole)
     check(settings, sources)
 
 
@@ -41,7 +65,7 @@ def joined(settings):
 
 
 def check(values, sources):
-    assert set(sources) == {key for key, value in values.items() if not isinstance(value, str | bool)}
+    assert set(sources) == {key for key, value in values.items() if numbers(value)}
     for name, source in sources.items():
         if "kind" not in source:
             check(values[name], source)
@@ -52,9 +76,17 @@ def check(values, sources):
             assert source["range"][0] <= values[name] <= source["range"][1]
 
 
+def numbers(value):
+    """Tell whether there is a number in a value."""
+    if isinstance(value, dict | list):
+        return any(numbers(part) for part in (value.values() if isinstance(value, dict) else value))
+    return not isinstance(value, str | bool)
+
+
 def test_records_import_nothing_heavy():
     code = (
         "import sys, pipeline.panel.records, pipeline.converter.records, pipeline.converter.checks\n"
+        "import pipeline.panel.database, pipeline.tracker.records, pipeline.tracker.tracking_records\n"
         "print([m for m in ('numba', 'scipy', 'pvlib', 'matplotlib', 'pandas', 'numpy') if m in sys.modules])"
     )
     environment = {**os.environ, "PYTHONPATH": str(CONF.parent / "src")}

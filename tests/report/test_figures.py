@@ -14,7 +14,7 @@ from pipeline.report.data import ReportData
 from pipeline.report.draw import draw, module
 from pipeline.report.records import DRAWINGS
 
-UNIT = re.compile(r"\[(A|V|W|mW|µJ|Wh|F|Hz|%|h|ms|°C|1|nat|nat per step|mW² s)\]")
+UNIT = re.compile(r"\[(A|V|W|mW|µJ|Wh|F|Hz|%|h|s|ms|W/m²/s|°C|1|nat|nat per step|mW² s)\]")
 DIAGRAMS = {"algorithm", "circuit"}
 
 

@@ -35,7 +35,6 @@ def rates(source, irradiance, duty):
 def held(source, irradiance, duty, time, start_v):
     """The loop's own course at one duty."""
     still = tracker("perturb_observe", duty_step=1e-12, perturbation_period_s=10.0, measurement_bits=12)
-    still = still.model_copy(update={"start_voltage_share": 1.0 - (duty - 0.0)})
     diode, series = of_all_panels(source, np.full(len(time), irradiance), 25.0)
     rows = Light(
         np.diff(time, append=2 * time[-1] - time[-2]), diode, series, np.zeros((1, 2)), 1.0,

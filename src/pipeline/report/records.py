@@ -193,7 +193,7 @@ DRAWINGS: dict[str, type[Record]] = {
 Read = Literal[
     "modes", "system", "algorithm", "battery", "stage_search", "panel", "supply", "chaos", "objective", "tuning",
     "search", "surface", "network", "network_size", "network_kernels", "functions", "charge", "switched", "trade_off",
-    "weather", "day", "staging_search", "staging", "front", "second_charge", "tracking", "converters", "validation",
+    "weather", "day", "staging_search", "staging", "front", "tracking", "converters", "validation", "second_charge",
 ]  # fmt: skip
 """What a figure may read."""
 

@@ -73,8 +73,9 @@ def legend(drawing: Figure, titles: dict[str, str], found: dict[str, Mark], mark
     drawing.legend(handles=handles(titles, found, markers), loc="outside upper center", ncols=min(len(found), 4) or 1)
 
 
-def nothing(axes: Axes, why: str) -> None:
-    """Say in an empty field why nothing is drawn in it."""
+def nothing(axes: Axes, why: str, across: str = "", up: str = "") -> None:
+    """Say in an empty field why nothing is drawn in it, perhaps with the names of its axes."""
+    axes.set(xlabel=across or axes.get_xlabel(), ylabel=up or axes.get_ylabel())
     axes.text(0.5, 0.5, why, transform=axes.transAxes, ha="center", va="center", color=GREY)
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import warnings
+from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
@@ -12,26 +13,41 @@ from pipeline.panel.database import PanelEntry, look_up, names
 from pipeline.panel.maximum_power import maximum_power
 from pipeline.panel.records import Panel
 from pipeline.panel.single_diode import SingleDiode, fit
+from pipeline.validation.records import Curve, Found, at_most, largest
 
 Array = NDArray[np.float64]
-Row = tuple[str, float, float]
 
 MODULES, CONDITIONS, SEED = 50, 20, 20150401
 POWER_BOUND, ENERGY_BOUND = 1e-6, 5e-3
+_MODULE = "Kyocera_Solar_KC130GT"
 _PLACE = {"latitude": 23.0, "longitude": 120.2, "tz": "Asia/Taipei", "altitude": 20.0}
 _FAIMAN = {"u0": 25.0, "u1": 6.84}
 _TURBIDITY, _AIR_C, _WIND_M_S, _TILT_DEG = 4.0, 25.0, 2.0, 23.0
 
 
-def rows() -> list[Row]:
-    """Return quantity, value and the bound it may not exceed, of both checks."""
-    return [*maximum_power_rows(), *energy_rows()]
+def check(settings: Mapping[str, Any]) -> Found:
+    """Return both checks, and the differences over irradiance and over the day."""
+    irradiance, power = maximum_power_differences()
+    hours, ours, theirs = day_of_power()
+    most = float(theirs.max())
+    energy = abs(float(ours.sum() / theirs.sum()) - 1.0)
+    up = "difference [1]"
+    return Found(
+        [
+            at_most(f"maximum power, {MODULES} modules in {CONDITIONS} conditions each", largest(power), POWER_BOUND),
+            at_most("energy of a clear day, against pvlib's ModelChain", energy, ENERGY_BOUND),
+        ],
+        [
+            Curve("maximum power over pvlib's", f"{MODULES} modules", "irradiance [W/m²]", up, irradiance, power),
+            Curve("power on a clear day over its most", "ModelChain", "time [h]", up, hours, (ours - theirs) / most),
+        ],
+    )
 
 
-def maximum_power_rows() -> list[Row]:
-    """Return the largest relative difference of maximum power from pvlib's, over modules drawn by a fixed seed.
+def maximum_power_differences() -> tuple[Array, Array]:
+    """Return irradiance, rising, and relative difference of maximum power from pvlib's, shape (1000,) each.
 
-    pvlib reads its own database, its own parameters and its own laws of irradiance and temperature.
+    The modules are drawn by a fixed seed; pvlib reads the database itself and has its own laws of irradiance.
     """
     from pvlib.pvsystem import calcparams_cec, max_power_point, retrieve_sam
 
@@ -40,23 +56,22 @@ def maximum_power_rows() -> list[Row]:
     irradiance = rng.uniform(20.0, 1200.0, (MODULES, CONDITIONS))
     temperature = rng.uniform(-20.0, 80.0, (MODULES, CONDITIONS))
     modules = retrieve_sam("CECMod")
-    largest = 0.0
-    for name, light, cells in zip(drawn, irradiance, temperature, strict=True):
+    found = np.empty((MODULES, CONDITIONS))
+    for row, (name, light, cells) in enumerate(zip(drawn, irradiance, temperature, strict=True)):
         panel, diode = _known(str(name))
-        ours = maximum_power(panel, diode, light, cells).max_power_w
         their = modules[str(name)]
         circuit = calcparams_cec(
             *(light, cells, their.alpha_sc, their.a_ref, their.I_L_ref, their.I_o_ref),
             *(their.R_sh_ref, their.R_s, their.Adjust),
         )
         theirs = np.asarray(max_power_point(*circuit, method="brentq")["p_mp"])
-        largest = max(largest, float(np.max(np.abs(ours / theirs - 1.0))))
-    title = f"maximum power of {MODULES} modules in {CONDITIONS} conditions each, largest relative difference to pvlib"
-    return [(title, largest, POWER_BOUND)]
+        found[row] = maximum_power(panel, diode, light, cells).max_power_w / theirs - 1.0
+    order = np.argsort(irradiance, axis=None)
+    return irradiance.ravel()[order], found.ravel()[order]
 
 
-def energy_rows(name: str = "Kyocera_Solar_KC130GT") -> list[Row]:
-    """Return the relative difference of a clear day's energy from that of pvlib's ModelChain.
+def day_of_power() -> tuple[Array, Array, Array]:
+    """Return the minutes of a clear day [h], and the power of a panel by the project and by pvlib's ModelChain [W].
 
     Both are given the irradiance in the panel's plane, the air and the wind; cells warm by Faiman's law, of which ours
     is written down here.
@@ -67,12 +82,12 @@ def energy_rows(name: str = "Kyocera_Solar_KC130GT") -> list[Row]:
     weather, location = _clear_day()
     poa = weather["poa_global"].to_numpy()
     cells = _AIR_C + poa / (_FAIMAN["u0"] + _FAIMAN["u1"] * _WIND_M_S)
-    panel, diode = _known(name)
-    ours = float(maximum_power(panel, diode, poa, cells).max_power_w.sum())
+    panel, diode = _known(_MODULE)
+    ours = maximum_power(panel, diode, poa, cells).max_power_w
     system = PVSystem(
         surface_tilt=_TILT_DEG,
         surface_azimuth=180.0,
-        module_parameters=retrieve_sam("CECMod")[name].to_dict(),
+        module_parameters=retrieve_sam("CECMod")[_MODULE].to_dict(),
         inverter_parameters={"pdc0": 1e6},
         temperature_model_parameters=_FAIMAN,
     )
@@ -89,10 +104,8 @@ def energy_rows(name: str = "Kyocera_Solar_KC130GT") -> list[Row]:
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")  # those of pandas and scipy inside pvlib
         chain.run_model_from_poa(weather)
-    theirs = float(chain.results.dc["p_mp"].fillna(0.0).sum())
-    return [
-        ("energy of a clear day, relative difference to pvlib's ModelChain", abs(ours / theirs - 1.0), ENERGY_BOUND)
-    ]
+    theirs = chain.results.dc["p_mp"].fillna(0.0).to_numpy()
+    return np.arange(len(poa)) / 60.0, ours, theirs
 
 
 def _clear_day() -> tuple[Any, Any]:

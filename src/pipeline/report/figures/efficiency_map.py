@@ -36,7 +36,12 @@ def draw(figure: FigureCard, data: ReportData) -> Figure:
     """
     drawing = style.figure(6.2)
     if "converters" not in data.inputs:
-        style.nothing(drawing.subplots(), "the converters are known by their efficiency alone")
+        style.nothing(
+            drawing.subplots(),
+            "the converters are known by their efficiency alone",
+            "Input power [W]",
+            "Efficiency [%]",
+        )
         return drawing
     fields = drawing.subplots(2, 2, sharex="col", sharey="row")
     found = data.table("converters", "converters_efficiency")

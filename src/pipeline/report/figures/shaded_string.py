@@ -24,7 +24,7 @@ def draw(figure: FigureCard, data: ReportData) -> Figure:
     """
     drawing = style.figure(3.6)
     if "tracking" not in data.inputs:
-        style.nothing(drawing.subplots(), "no trackers were tried")
+        style.nothing(drawing.subplots(), "no trackers were tried", "Panel voltage [V]", "Panel power [W]")
         return drawing
     curves, ends = data.table("tracking", "tracking_shading_curves"), data.table("tracking", "tracking_shading_ends")
     scenes, names = list(dict.fromkeys(curves["scene"])), titles(data)

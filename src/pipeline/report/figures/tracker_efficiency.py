@@ -25,7 +25,7 @@ def draw(figure: FigureCard, data: ReportData) -> Figure:
     """
     drawing = style.figure(3.8)
     if "tracking" not in data.inputs:
-        style.nothing(drawing.subplots(), "no trackers were tried")
+        style.nothing(drawing.subplots(), "no trackers were tried", "Slope [W/m²/s]", "Not captured [%]")
         return drawing
     found, names = data.table("tracking", "tracking_ramps"), titles(data)
     groups = list(dict.fromkeys(found["group"]))
