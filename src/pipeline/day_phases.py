@@ -76,6 +76,7 @@ def _charge(study: Study, weather: str, mode: str) -> Draft:
                     "engine": study.engine,
                 }
             ),
+            "bus_capacitance_f": _bus_capacitance_f(study),
             "battery": {**plain(study.battery), "title": study.battery.name},
             "mode": {**plain(study.modes[mode]), "title": mode},
         },
@@ -86,6 +87,17 @@ def _charge(study: Study, weather: str, mode: str) -> Draft:
             for part in ("trace", "switching", "stages", "quantities")
         },
     )
+
+
+def _bus_capacitance_f(study: Study) -> float:
+    """Return the capacitance on the bus, that of the boost converter's output; 0 where its parts are not given."""
+    switched = None if study.converter is None else study.converter.switched
+    return 0.0 if switched is None else switched.boost.capacitance_f
+
+
+def _bus(study: Study) -> dict[str, float]:
+    assert study.day is not None
+    return {"bus_capacitance_f": _bus_capacitance_f(study), "bus_swing_share": study.day.bus_swing_share}
 
 
 def chain_of_hours(chain: PowerChain) -> PowerChain:
@@ -103,4 +115,4 @@ def labels(study: Study) -> dict[str, Any]:
     if study.day is None:
         return {}
     weathers = {name: weather.title for name, weather in study.day.weathers.items()}
-    return {"title": study.day.title, "weathers": weathers, "load": study.day.load.title}
+    return {"title": study.day.title, "weathers": weathers, "load": study.day.load.title, **_bus(study)}

@@ -50,7 +50,7 @@ def quantities(charge: DayCharge, found: Columns, parts: Sequence[Stage]) -> lis
             "most_above_available_w",
             float(np.max(found["charge_w"] - found["available_w"])),
             "W",
-            "most by which a mean into the battery lies above what the bus could bring: rounding, or a mistake",
+            "most by which a mean into the battery lies above what the bus could bring: rounding, and cut periods",
         ),
         Quantity(
             "energy_balance_residual",

@@ -122,9 +122,22 @@ def text(data: ReportData) -> str:
             )
     sentences.append(
         "The load is served first, and nothing leads from the battery back to the bus: what the sun does not give the "
-        "load, it does not get. The bus is taken to store nothing, so that sun is also unused while a pulse pauses."
+        "load, it does not get."
     )
+    sentences.append(_bus(data))
     return " ".join(sentences)
+
+
+def _bus(data: ReportData) -> str:
+    """Say what becomes of the sun while a pulse pauses."""
+    settings = data.settings["day"]
+    farad, swing = settings.get("bus_capacitance_f", 0.0), settings.get("bus_swing_share", 0.0)
+    if not farad * swing:
+        return "The bus is taken to store nothing, so that sun is unused while a pulse pauses."
+    return (
+        f"While a pulse pauses, the {1e6 * farad:.0f} µF on the bus keep what a swing of its voltage by "
+        f"{100.0 * swing:g} % can take, for the next pulse."
+    )
 
 
 def _fate(title: str, found: Mapping[str, float]) -> str:
