@@ -95,11 +95,6 @@ def _bus_capacitance_f(study: Study) -> float:
     return 0.0 if switched is None else switched.boost.capacitance_f
 
 
-def _bus(study: Study) -> dict[str, float]:
-    assert study.day is not None
-    return {"bus_capacitance_f": _bus_capacitance_f(study), "bus_swing_share": study.day.bus_swing_share}
-
-
 def chain_of_hours(chain: PowerChain) -> PowerChain:
     """Return the converters without the parts that the powers of hours do not depend on."""
     return chain if chain.of_parts else chain.model_copy(update={"switched": None, "losses": None})
@@ -114,5 +109,11 @@ def labels(study: Study) -> dict[str, Any]:
     """Return what a reader of days needs to name them; nothing where a study has none."""
     if study.day is None:
         return {}
-    weathers = {name: weather.title for name, weather in study.day.weathers.items()}
-    return {"title": study.day.title, "weathers": weathers, "load": study.day.load.title, **_bus(study)}
+    return {
+        "title": study.day.title,
+        "weathers": {name: weather.title for name, weather in study.day.weathers.items()},
+        "load": study.day.load.title,
+        "initial_soc": study.day.initial_soc,
+        "bus_capacitance_f": _bus_capacitance_f(study),
+        "bus_swing_share": study.day.bus_swing_share,
+    }

@@ -103,7 +103,12 @@ def clock(seconds: float) -> str:
 
 def text(data: ReportData) -> str:
     """Return what the days come to in sentences, every number of which was computed."""
-    sentences = []
+    settings = data.settings["day"]
+    sentences = [
+        f"Not in the paper: {settings['title']} under {len(weathers(data))} skies, from "
+        f"{100.0 * settings['initial_soc']:g} % charged at first light to last light. What the panel could give at its "
+        "efficiency of standard conditions is followed to the battery."
+    ]
     for name, title in weathers(data).items():
         sky, modes = data.numbers(f"weather/{name}"), charged(data, name)
         found = {mode: data.numbers(f"day/{name}/{mode}") for mode in modes}
@@ -113,8 +118,7 @@ def text(data: ReportData) -> str:
         unused = 100.0 * first["curtailed_wh"] / first["sun_wh"] if first["sun_wh"] else 0.0
         sentences.append(
             f"{title.capitalize()} day, {sky['irradiation_kwh_m2']:.2f} kWh/m²: {'; '.join(parts)}. With "
-            f"{data.modes[modes[0]].title}, {share:.0f} % of what the panel could give at its standard efficiency is "
-            f"stored, and for {unused:.0f} % there is no use."
+            f"{data.modes[modes[0]].title}, {share:.0f} % of it is stored, and for {unused:.0f} % there is no use."
         )
         if sky.get("gaps"):
             sentences.append(
