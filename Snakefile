@@ -17,6 +17,11 @@ container: "docker://python:3.11-slim"
 include: "workflow/common.smk"
 
 
+# A charge that did not get where it was to go says so at the end, and on its page.
+onsuccess:
+    flow.tell(),
+
+
 rule all:
     input:
         flow.target("all"),
@@ -30,4 +35,5 @@ include: "workflow/rules/staging.smk"
 include: "workflow/rules/functions.smk"
 include: "workflow/rules/charge.smk"
 include: "workflow/rules/day.smk"
+include: "workflow/rules/validation.smk"
 include: "workflow/rules/report.smk"

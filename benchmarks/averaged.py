@@ -1,94 +1,108 @@
-"""Speed of the averaged driver against the edge driver: an hour of pulses, unclipped and clipped, over frequency.
+"""The averaged driver against the edge driver over an hour of pulses: unclipped and clipped, over frequency.
 
-Run as `PYTHONPATH=src python benchmarks/averaged.py`; the two in turn in every round, compilation outside. A ratio is
-that of whole charges, records in and columns out; each round takes the shortest of several.
+On the common model, where the figures are asked, and on the shipped lead-acid battery. Times are those of the compiled
+drivers; beside them that of a whole `simulate`, records in and columns out. Errors are those of the averaged driver
+against the edge driver: charge and energy put in, and the rise in temperature.
 """
 
 from __future__ import annotations
 
-import statistics
-import time
-from pathlib import Path
+from collections.abc import Callable
+from typing import NamedTuple
 
-import yaml
-
+from benchmarks import common_model, sheets
+from benchmarks.peers import engine
+from benchmarks.protocol import Figure, Row, compared, interleaved, once
 from pipeline.cell.records import Battery
 from pipeline.charge.many import Task, simulate_many
 from pipeline.charge.records import ChargeSettings, EngineSettings, Mode
 from pipeline.charge.simulate import BENCH, Charge, simulate, warm_up
 
-CONF = Path(__file__).parents[1] / "conf"
-ROUNDS, REPEATS, SECONDS = 5, 7, 3600.0
-QUANTITIES = ("charge_in_ah", "energy_in_wh", "end_temperature_c", "energy_balance_residual")
+PACKAGES = ("numba",)
+SECONDS, SIZE = 3600.0, 64
+DRIVERS = ("averaged", "edge")
+FREQUENCIES = (20.0, 90.0, 500.0)
+ERROR_ASKED = 1e-6
+MEANS = "Ah, Wh put in and rise in temperature against the edge driver, relative"
+FLAT = Figure(1.5, "at most")
 
 
-def battery() -> Battery:
-    data = yaml.safe_load((CONF / "battery/lead_acid_12v7ah.yaml").read_text())
-    data.pop("sources", None)
-    return Battery(**data)
+class Case(NamedTuple):
+    """A battery, where it starts and what limits it; the figure is that of 90 Hz."""
+
+    name: str
+    battery: Battery
+    soc: float
+    limit_v: float | None
+    figure: Figure | None
+    flat: Figure | None
 
 
-def reflex(frequency_hz: float) -> Mode:
-    data = yaml.safe_load((CONF / "modes/cv_reflex.yaml").read_text())
-    data.pop("sources", None)
-    data.pop("max_current_a", None)
-    data |= {"frequency_hz": frequency_hz, "stop": {"elapsed_s": SECONDS}, "phases": {"on": data["phases"]["reflex"]}}
-    return Mode(**data)
+def cases() -> list[Case]:
+    """Return the cases; 12.35 V holds the common model at its limit for most of every charging pulse."""
+    common, lead = common_model.battery(), sheets.battery("lead_acid_12v7ah")
+    return [
+        Case("common model, unclipped", common, 0.3, None, Figure(150.0), FLAT),
+        Case("common model, clipped", common, 0.3, 12.35, Figure(40.0), FLAT),
+        Case("lead-acid, unclipped", lead, 0.3, None, None, None),
+        Case("lead-acid, clipped", lead, 0.9, None, None, None),
+    ]
 
 
-def timed(cell: Battery, mode: Mode, soc: float, driver: str) -> tuple[float, Charge]:
-    settings, engine = ChargeSettings(initial_soc=soc, ambient_c=25), EngineSettings(driver=driver)
-    begin = time.perf_counter()
-    charge = simulate(cell, mode, BENCH, settings, engine)
-    return time.perf_counter() - begin, charge
+def rows() -> list[Row]:
+    """Return the rows of every case and frequency, of 500 Hz against 20 Hz, and of a population."""
+    compile_s, _ = once(warm_up)
+    made = []
+    for case in cases():
+        for frequency in FREQUENCIES:
+            made += _against_edge(case, frequency, compile_s)
+        slow, fast = (_solver(case, frequency, "averaged") for frequency in (FREQUENCIES[0], FREQUENCIES[-1]))
+        walls = interleaved({"fast": fast, "slow": slow}, rounds=7)
+        name = f"averaged, {case.name}: {FREQUENCIES[-1]:g} Hz"
+        peer = f"the same at {FREQUENCIES[0]:g} Hz"
+        made.append(compared(name, peer, walls["fast"], walls["slow"], case.flat, "at most"))
+    return [*made, _population()]
 
 
-def numbers(charge: Charge) -> dict[str, float]:
-    return {row.quantity: row.value or 0.0 for row in charge.summary if row.quantity in QUANTITIES}
+def _solver(case: Case, frequency_hz: float, driver: str) -> Callable[[], object]:
+    return engine.solver(case.battery, sheets.reflex(SECONDS, frequency_hz, case.limit_v), case.soc, driver)
 
 
-def compare(cell: Battery, frequency_hz: float, soc: float) -> float:
-    mode, ratios, walls = reflex(frequency_hz), [], []
-    for _ in range(ROUNDS):
-        edge_s, edge = timed(cell, mode, soc, "edge")
-        several = [timed(cell, mode, soc, "averaged") for _ in range(REPEATS)]
-        averaged_s, averaged = min(several, key=lambda one: one[0])
-        walls.append(averaged_s)
-        ratios.append(edge_s / averaged_s)
-    expected, found = numbers(edge), numbers(averaged)
-    errors = [abs(found[name] - expected[name]) / abs(expected[name]) for name in QUANTITIES[:3]]
-    wall_s = statistics.median(walls)
-    print(
-        f"{frequency_hz:5g} Hz from SOC {soc:g}: {1e3 * wall_s:7.2f} ms, x {statistics.median(ratios):4.0f}"
-        f" ({min(ratios):.0f} to {max(ratios):.0f}); Ah {errors[0]:.0e}, Wh {errors[1]:.0e}, T {errors[2]:.0e}, "
-        f"first law {abs(found[QUANTITIES[3]]):.0e}"
-    )
-    return wall_s
+def _whole(case: Case, frequency_hz: float, driver: str) -> Callable[[], Charge]:
+    return engine.whole(case.battery, sheets.reflex(SECONDS, frequency_hz, case.limit_v), case.soc, driver)
 
 
-def population(cell: Battery) -> None:
-    engine, size = EngineSettings(), 64
-    settings = [ChargeSettings(initial_soc=0.5 + 0.45 * n / size, ambient_c=25) for n in range(size)]
-    tasks = [Task(cell, reflex(90.0), BENCH, one, engine) for one in settings]
-    ratios = []
-    for _ in range(ROUNDS):
-        begin = time.perf_counter()
-        for task in tasks:
-            simulate(*task)
-        middle = time.perf_counter()
-        simulate_many(tasks)
-        ratios.append((middle - begin) / (time.perf_counter() - middle))
-    print(f"{size} charges at once: x {statistics.median(ratios):.2f} ({min(ratios):.2f} to {max(ratios):.2f})")
+def _against_edge(case: Case, frequency_hz: float, compile_s: float) -> list[Row]:
+    runs: dict[str, Callable[[], object]] = {driver: _solver(case, frequency_hz, driver) for driver in DRIVERS}
+    wholes = {driver: _whole(case, frequency_hz, driver) for driver in DRIVERS}
+    names = ("charge_in_ah", "energy_in_wh", "end_temperature_c", "energy_balance_residual", "time_at_voltage_limit_s")
+    found, expected = (engine.numbers(wholes[driver](), names) for driver in DRIVERS)
+    of_charge, of_energy = (abs(found[n] / expected[n] - 1.0) for n in range(2))
+    of_rise = abs(found[2] - expected[2]) / (expected[2] - 25.0)
+    at_90 = frequency_hz == sheets.FREQUENCY_HZ
+    walls = interleaved(runs | ({"whole": wholes["averaged"], "whole edge": wholes["edge"]} if at_90 else {}))
+    name = f"averaged, {case.name}: 1 h at {frequency_hz:g} Hz"
+    row = compared(
+        name, "edge driver", walls["averaged"], walls["edge"], case.figure if at_90 else None,
+        ours_error=max(of_charge, of_energy, of_rise), peer_error=0.0, error_means=MEANS,
+        error_asked=ERROR_ASKED if case.figure else None,
+        note=f"Ah {of_charge:.0e}, Wh {of_energy:.0e}, T {of_rise:.0e}, first law {abs(found[3]):.0e}, "
+        f"at the limit {found[4] / SECONDS:.0%} of the time",
+        before_s={engine.TITLE: compile_s},
+    )  # fmt: skip
+    if not at_90:
+        return [row]
+    return [row, compared(f"{name}, whole simulate", "edge, whole simulate", walls["whole"], walls["whole edge"])]
 
 
-def main() -> None:
-    warm_up()
-    cell = battery()
-    for soc, name in ((0.3, "unclipped"), (0.9, "clipped")):
-        walls = {frequency: compare(cell, frequency, soc) for frequency in (20.0, 90.0, 500.0)}
-        print(f"{name}: 500 Hz takes {walls[500.0] / walls[20.0]:.2f} times as long as 20 Hz")
-    population(cell)
+def _population() -> Row:
+    battery, mode = sheets.battery("lead_acid_12v7ah"), sheets.reflex(SECONDS)
+    tasks = [_task(battery, mode, 0.5 + 0.45 * n / SIZE) for n in range(SIZE)]
+    runs = {"together": lambda: simulate_many(tasks), "one by one": lambda: [simulate(*task) for task in tasks]}
+    runs["together"]()
+    walls = interleaved(runs)
+    return compared(f"{SIZE} charges of an hour together", "one by one", walls["together"], walls["one by one"])
 
 
-if __name__ == "__main__":
-    main()
+def _task(battery: Battery, mode: Mode, soc: float) -> Task:
+    return Task(battery, mode, BENCH, ChargeSettings(initial_soc=soc, ambient_c=25.0), EngineSettings())

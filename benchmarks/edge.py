@@ -1,67 +1,115 @@
-"""Speed of the edge driver: ns an edge of 90 Hz Reflex, unclipped and clipped, and a whole charge.
+"""The edge driver on the common model, 60 s of Reflex at 90 Hz, against every peer that can compute it.
 
-Run as `PYTHONPATH=src python benchmarks/edge.py`; medians of interleaved rounds, compilation outside.
+Like against like: the compiled driver on what is prepared before, against the solve of a peer that is built and
+compiled before. ngspice cannot be prepared, its time is that of its process, whose start takes a few hundredths of a
+second. Rows of a whole `simulate`, records in and columns out, stand beside the first two.
 """
 
 from __future__ import annotations
 
-import statistics
-import time
-from pathlib import Path
+from collections.abc import Callable
+from dataclasses import replace
 
-import yaml
+from benchmarks import common_model
+from benchmarks.common_model import End, Model, Pulses
+from benchmarks.peers import diffrax_model, engine, ngspice, pybamm_thevenin, runge_kutta, scipy_model
+from benchmarks.protocol import Figure, Row, compared, interleaved, missing, once
+from benchmarks.sheets import reflex
+from pipeline.charge.simulate import warm_up
 
-from pipeline.cell.records import Battery
-from pipeline.charge.records import ChargeSettings, EngineSettings, Mode
-from pipeline.charge.simulate import BENCH, simulate, warm_up
+SECONDS, INITIAL_SOC = 60.0, 0.3
+RTOL, ERROR_ASKED = 1e-6, 1e-6
+MEANS = "SOC and voltages of both pairs at the end, relative to the exact solution"
+PACKAGES = ("numba", "scipy", "pybamm", "diffrax", "jax", "ngspice")
+OURS, WHOLE = "this project", "whole simulate"
+NAME = "edge, 60 s of Reflex"
+LONGEST_S = 1e-3
+FIGURES = {pybamm_thevenin.TITLE: Figure(2000.0), "ngspice": Figure(1500.0)}
+PLAIN = Figure(6.0)
 
-CONF = Path(__file__).parents[1] / "conf"
-ROUNDS = 5
-EDGE = EngineSettings(driver="edge")
-
-
-def load(path: str) -> dict:
-    data = yaml.safe_load((CONF / path).read_text())
-    data.pop("sources", None)
-    # The study's search finds the frequency; here it is the one it finds.
-    return data | ({"frequency_hz": 90.0} if "frequency_hz" in data else {})
+Build = Callable[[Model, Pulses], Callable[[], End]]
+Runs = dict[str, Callable[[], object]]
 
 
-def cases() -> dict[str, tuple[Mode, float]]:
-    sheet = load("modes/cv_reflex.yaml")
-    reflex = {key: value for key, value in sheet.items() if key not in ("phases", "max_current_a")}
-    reflex["phases"] = {"reflex": sheet["phases"]["reflex"]}
-    reflex["stop"] = {"elapsed_s": 300.0}
-    whole = sheet | {"stop": {"elapsed_s": 10800.0}}
-    whole["phases"] = reflex["phases"]
-    whole.pop("max_current_a")
+def peers() -> dict[str, tuple[Build, bool]]:
+    """Return what builds each peer, and whether it is installed."""
+    spice = ngspice.installed()
     return {
-        "300 s of Reflex, unclipped": (Mode(**reflex), 0.3),
-        "300 s of Reflex, clipped": (Mode(**reflex), 0.95),
-        "3 h of Reflex from SOC 0.2": (Mode(**whole), 0.2),
-        "CC-CV to SOC 0.99": (Mode(**load("modes/cc_cv.yaml")), 0.2),
+        pybamm_thevenin.TITLE: (lambda m, p: pybamm_thevenin.build(m, p, RTOL), pybamm_thevenin.installed()),
+        "ngspice": (lambda m, p: ngspice.build(m, p, SECONDS), spice),
+        "ngspice, steps of 1 ms at most": (lambda m, p: ngspice.build(m, p, LONGEST_S), spice),
+        "solve_ivp RK45, each edge": (lambda m, p: scipy_model.build(m, p, "RK45", RTOL), True),
+        "solve_ivp LSODA, each edge": (lambda m, p: scipy_model.build(m, p, "LSODA", RTOL), True),
+        "diffrax Tsit5, jump_ts": (lambda m, p: diffrax_model.build(m, p, RTOL), diffrax_model.installed()),
     }
 
 
-def main() -> None:
-    battery = Battery(**load("battery/lead_acid_12v7ah.yaml"))
-    begin = time.perf_counter()
-    warm_up()
-    print(f"compiled or loaded in {time.perf_counter() - begin:.2f} s")
-    walls: dict[str, list[float]] = {}
-    counts: dict[str, dict[str, float]] = {}
-    for _ in range(ROUNDS):
-        for name, (mode, soc) in cases().items():
-            begin = time.perf_counter()
-            charge = simulate(battery, mode, BENCH, ChargeSettings(initial_soc=soc, ambient_c=25), EDGE)
-            walls.setdefault(name, []).append(time.perf_counter() - begin)
-            counts[name] = {row.quantity: row.value or 0.0 for row in charge.summary}
-    print(f"{'case':30s} {'median s':>9s} {'edges':>9s} {'steps/edge':>10s} {'ns/edge':>9s} {'ns/step':>8s}")
-    for name, times in walls.items():
-        wall, edges, steps = statistics.median(times), counts[name]["edges"], counts[name]["steps"]
-        each = f"{1e9 * wall / edges:9.0f} {1e9 * wall / steps:8.0f}"
-        print(f"{name:30s} {wall:9.4f} {edges:9.0f} {steps / edges:10.2f} {each}")
+def rows() -> list[Row]:
+    """Return a row a peer, then the ladder of plain Runge-Kutta loops."""
+    battery, mode = common_model.battery(), reflex(SECONDS)
+    m, p = common_model.model(battery), common_model.pulses(mode, SECONDS, INITIAL_SOC)
+    compile_s, _ = once(warm_up)
+    whole = engine.whole(battery, mode, INITIAL_SOC, "edge", SECONDS)
+    solver = engine.solver(battery, mode, INITIAL_SOC, "edge", SECONDS)
+    whole()
+    solver()
+    found = engine.end_of(battery, mode, INITIAL_SOC, "edge", SECONDS)
+    before = {OURS: compile_s}
+    return [
+        *_against_peers(m, p, {OURS: solver, WHOLE: whole}, found, before),
+        *_against_loops(m, p, solver, found, before),
+    ]
 
 
-if __name__ == "__main__":
-    main()
+def _against_peers(m: Model, p: Pulses, ours: Runs, found: End, before: dict[str, float]) -> list[Row]:
+    runs = dict(ours)
+    ends, set_up = {}, {}
+    every = peers()
+    for peer, (build, there) in every.items():
+        if there:
+            built_s, run = once(lambda build=build: build(m, p))
+            first_s, ends[peer] = once(run)
+            runs[peer], set_up[peer] = run, built_s + first_s
+    walls = interleaved(runs, rounds=3)
+    made = []
+    for peer in every:
+        figure = FIGURES.get(peer)
+        if peer not in runs:
+            made.append(missing(NAME, peer, figure))
+            continue
+        stored_is_heat = peer == pybamm_thevenin.TITLE
+        expected = common_model.exact(m, p, stored_is_heat)
+        theirs = common_model.error(ends[peer], expected)
+        warmth = common_model.temperature_error(ends[peer], expected, m.ambient_k)
+        heat = "i v of its pairs as heat" if stored_is_heat else "the same heat"
+        row = compared(
+            NAME, peer, walls[OURS], walls[peer], figure,
+            ours_error=common_model.error(found, expected), peer_error=theirs, error_means=MEANS,
+            error_asked=theirs if peer.startswith("ngspice") else ERROR_ASKED,
+            note=f"peer's rise in temperature, {heat}: {warmth:.0e}", before_s=before | {peer: set_up[peer]},
+        )  # fmt: skip
+        made.append(row)
+        if figure:
+            made.append(compared(f"{NAME}, whole simulate", peer, walls[WHOLE], walls[peer]))
+    return made
+
+
+def _against_loops(m: Model, p: Pulses, ours: Callable[[], object], found: End, before: dict[str, float]) -> list[Row]:
+    """The loop that counts is the cheapest one within 1e-6; its error is not below ours."""
+    loops = {steps: runge_kutta.build(m, p, steps) for steps in runge_kutta.LADDER}
+    first_s, _ = once(loops[runge_kutta.LADDER[0]])
+    walls = interleaved({OURS: ours} | {str(steps): loop for steps, loop in loops.items()}, rounds=7)
+    expected = common_model.exact(m, p)
+    own = common_model.error(found, expected)
+    made, counted = [], False
+    for steps, loop in loops.items():
+        theirs = common_model.error(loop(), expected)
+        counts = not counted and own <= theirs <= ERROR_ASKED
+        counted |= counts
+        row = compared(
+            NAME, f"{runge_kutta.TITLE}, {steps} steps a charging pulse", walls[OURS], walls[str(steps)],
+            ours_error=own, peer_error=theirs, error_means=MEANS,
+            before_s=before | {runge_kutta.TITLE: first_s},
+        )  # fmt: skip
+        made.append(replace(row, figure=PLAIN, error_asked=ERROR_ASKED, note="cheapest within 1e-6") if counts else row)
+    return made

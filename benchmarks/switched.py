@@ -1,24 +1,23 @@
 """The switched buck converter, 50 ms at 50 kHz and a fixed duty with 20 samples a period, against peers.
 
-Run as `PYTHONPATH=src python -m benchmarks.switched`; medians of interleaved rounds, compilation outside. The peers are
-Runge and Kutta's method compiled, solve_ivp (a tenth of the time, scaled), and ngspice where it is installed.
+The peers are Runge and Kutta's method compiled, solve_ivp (a fiftieth of the time, scaled), and ngspice. Errors are of
+the inductor's current at every sample, against Runge and Kutta's method with sixteen times as many steps.
 """
 
 from __future__ import annotations
 
-import shutil
-import statistics
 import subprocess
 import tempfile
-import time
 from collections.abc import Callable
 from pathlib import Path
 
 import numba
 import numpy as np
-from benchmarks.edge import load
 from scipy.integrate import solve_ivp
 
+from benchmarks.peers import ngspice
+from benchmarks.protocol import Figure, Row, compared, interleaved, missing, once
+from benchmarks.sheets import load
 from pipeline.converter.maps import maps
 from pipeline.converter.steady import sample_maps
 from pipeline.converter.steady_kernel import trace_samples
@@ -26,35 +25,54 @@ from pipeline.converter.switched import follow, gains, start
 from pipeline.converter.switched_records import SwitchedStage
 from pipeline.converter.topologies import INDUCTOR, LOW, ON, BatteryLoad, buck
 
-ROUNDS = 5
+PACKAGES = ("numba", "scipy", "ngspice")
 PERIODS, SAMPLES, DUTY, BUS_V = 2500, 20, 0.57, 24.0
 BATTERY = BatteryLoad(13.2, 0.0287, 0.015, 0.006)
 STATE = np.array([1.5, 13.25, 0.02, 1.0])
-FLOORS = {"ngspice, steps of 1 us at most": 2000.0, "Runge-Kutta, compiled": 8.0}
+OURS, SPICE = "this project", "ngspice, steps of 1 us at most"
+FINE_SPICE, SCALED = "ngspice, steps of 0.2 us at most", 50
+FIGURES = {SPICE: Figure(2000.0)}
+ERROR_ASKED, FINE = 1e-4, 16
+NAME = "switched buck, 2500 periods, 20 samples each"
 
 Run = Callable[[], np.ndarray]
 
 
-@numba.njit
+@numba.njit(error_model="numpy")
+def slopes(m, z0, z1, z2, z3):
+    return (
+        m[0] * z0 + m[1] * z1 + m[2] * z2 + m[3] * z3,
+        m[4] * z0 + m[5] * z1 + m[6] * z2 + m[7] * z3,
+        m[8] * z0 + m[9] * z1 + m[10] * z2 + m[11] * z3,
+        m[12] * z0 + m[13] * z1 + m[14] * z2 + m[15] * z3,
+    )
+
+
+@numba.njit(error_model="numpy")
 def runge_kutta(on, off, duty, period_s, samples, inner, state, points):
-    z, switch = state.copy(), duty * period_s
+    z0, z1, z2, z3 = state
+    switch = duty * period_s
     for number in range(len(points) - 1):
-        points[number, :] = z
+        points[number, 0], points[number, 1], points[number, 2], points[number, 3] = z0, z1, z2, z3
         begin = (number % samples) * period_s / samples
         end = begin + period_s / samples
         for part in range(2):
             low, high = (begin, min(end, switch)) if part == 0 else (max(begin, switch), end)
-            matrix = on if part == 0 else off
+            m = on if part == 0 else off
             if high <= low:
                 continue
             h = (high - low) / inner
+            half, sixth = 0.5 * h, h / 6.0
             for _ in range(inner):
-                a = matrix @ z
-                b = matrix @ (z + 0.5 * h * a)
-                c = matrix @ (z + 0.5 * h * b)
-                d = matrix @ (z + h * c)
-                z += h / 6.0 * (a + 2.0 * b + 2.0 * c + d)
-    points[-1, :] = z
+                a0, a1, a2, a3 = slopes(m, z0, z1, z2, z3)
+                b0, b1, b2, b3 = slopes(m, z0 + half * a0, z1 + half * a1, z2 + half * a2, z3 + half * a3)
+                c0, c1, c2, c3 = slopes(m, z0 + half * b0, z1 + half * b1, z2 + half * b2, z3 + half * b3)
+                d0, d1, d2, d3 = slopes(m, z0 + h * c0, z1 + h * c1, z2 + h * c2, z3 + h * c3)
+                z0 += sixth * (a0 + 2.0 * (b0 + c0) + d0)
+                z1 += sixth * (a1 + 2.0 * (b1 + c1) + d1)
+                z2 += sixth * (a2 + 2.0 * (b2 + c2) + d2)
+                z3 += sixth * (a3 + 2.0 * (b3 + c3) + d3)
+    points[-1, 0], points[-1, 1], points[-1, 2], points[-1, 3] = z0, z1, z2, z3
 
 
 def by_solve_ivp(generators: np.ndarray, period_s: float, periods: int) -> np.ndarray:
@@ -101,16 +119,13 @@ quit
         return np.loadtxt(Path(folder) / "out.txt")[: PERIODS * SAMPLES + 1, 1]
 
 
-def measured(run: Run) -> tuple[float, np.ndarray]:
-    """Return seconds for one run, over so many that they take 20 ms, and what it found."""
-    begin, times = time.perf_counter(), 0
-    while time.perf_counter() - begin < 0.02:
-        found = run()
-        times += 1
-    return (time.perf_counter() - begin) / times, found
+def _error(found: np.ndarray, expected: np.ndarray) -> float:
+    count = min(len(found), len(expected))
+    return float(np.max(np.abs(found[:count] - expected[:count])))
 
 
-def main() -> int:
+def rows() -> list[Row]:
+    """Return a row a peer, and one of ours under its control, which costs more than a fixed duty."""
     settings = load("converter/fixed_efficiency.yaml")["switched"]
     settings.pop("sources")
     stage = SwitchedStage(**settings)
@@ -120,13 +135,14 @@ def main() -> int:
     made, period_s = buck(buck_stage, BUS_V, BATTERY, np.inf), buck_stage.switching_period_s
     kernel = maps(made, period_s, SAMPLES)
     control = gains(buck_stage, BUS_V)
+    set_up_s, found = once(lambda: sample_maps(made, True, DUTY, period_s, SAMPLES)[0])
+    transposed = np.ascontiguousarray(found.transpose(0, 2, 1))
 
-    begin = time.perf_counter()
-    transposed = np.ascontiguousarray(sample_maps(made, True, DUTY, period_s, SAMPLES)[0].transpose(0, 2, 1))
-    print(f"maps of a period, once: {1e3 * (time.perf_counter() - begin):.2f} ms")
+    on, off = (tuple(made.generators[place].ravel()) for place in (ON, LOW))
+
+    points = np.empty((PERIODS * SAMPLES + 1, 4))
 
     def ours() -> np.ndarray:
-        points = np.empty((PERIODS * SAMPLES + 1, 4))
         trace_samples(transposed, STATE, points)
         return points[:, INDUCTOR]
 
@@ -135,47 +151,43 @@ def main() -> int:
         return follow(kernel, control, True, np.full(PERIODS, 2.1), *begun).samples[0]
 
     def compiled(inner: int) -> Run:
+        points = np.empty((PERIODS * SAMPLES + 1, 4))
+
         def run() -> np.ndarray:
-            points = np.empty((PERIODS * SAMPLES + 1, 4))
-            runge_kutta(made.generators[ON], made.generators[LOW], DUTY, period_s, SAMPLES, inner, STATE, points)
+            runge_kutta(on, off, DUTY, period_s, SAMPLES, inner, tuple(STATE), points)
             return points[:, INDUCTOR]
 
         return run
 
-    peers: dict[str, tuple[Run, float]] = {
-        "ours, under its control": (controlled, 1.0),
-        "Runge-Kutta, compiled": (compiled(1), 1.0),
-        "solve_ivp RK45, rtol 1e-6": (lambda: by_solve_ivp(made.generators, period_s, PERIODS // 50), 50.0),
+    spice = ngspice.installed()
+    peers: dict[str, tuple[Run, bool]] = {
+        SPICE: (lambda: by_ngspice(buck_stage, period_s, 1e-6), spice),
+        FINE_SPICE: (lambda: by_ngspice(buck_stage, period_s, 2e-7), spice),
+        "Runge-Kutta, numba": (compiled(1), True),
+        "solve_ivp RK45, rtol 1e-6": (lambda: by_solve_ivp(made.generators, period_s, PERIODS // SCALED), True),
     }
-    if shutil.which("ngspice"):
-        for longest in (1e-6, 2e-7):
-            name = f"ngspice, steps of {1e6 * longest:g} us at most"
-            peers[name] = (lambda longest=longest: by_ngspice(buck_stage, period_s, longest), 1.0)
-    ours()
-    for run, _ in list(peers.values())[:2]:
-        run()
-    times: dict[str, list[float]] = {}
-    found: dict[str, np.ndarray] = {}
-    for _ in range(ROUNDS):
-        own, found["ours"] = measured(ours)
-        times.setdefault("ours", []).append(own)
-        for name, (run, factor) in peers.items():
-            took, found[name] = measured(run)
-            times.setdefault(name, []).append(took * factor)
-    print(f"{'':32s} {'ms':>10s} {'ratio':>9s} {'range':>17s} {'error A':>9s}")
-    failed = False
-    for name, walls in times.items():
-        ratios = [wall / own for wall, own in zip(walls, times["ours"], strict=True)]
-        count = min(len(found[name]), len(found["ours"]))
-        error = float(np.max(np.abs(found[name][:count] - found["ours"][:count])))
-        shown = "" if name.startswith("ours") else f"{error:9.1e}"
-        ratio, spread = statistics.median(ratios), f"{min(ratios):.3g} - {max(ratios):.3g}"
-        print(f"{name:32s} {1e3 * statistics.median(walls):10.3f} {ratio:9.1f} {spread:>17s} {shown:>9s}")
-        failed |= ratio < FLOORS.get(name, 0.0) / 2.0
-    if not shutil.which("ngspice"):
-        print(f"{'ngspice':32s} {'not installed':>10s}")
-    return int(failed)
-
-
-if __name__ == "__main__":
-    raise SystemExit(main())
+    first = {OURS: once(ours)[0] + set_up_s}
+    ends = {OURS: ours()}
+    for peer, (run, there) in peers.items():
+        if there:
+            first[peer], ends[peer] = once(run)
+    controlled()
+    expected = compiled(FINE)()
+    runs = {OURS: ours, "controlled": controlled} | {peer: run for peer, (run, there) in peers.items() if there}
+    walls = interleaved(runs)
+    walls["solve_ivp RK45, rtol 1e-6"] = [SCALED * wall for wall in walls["solve_ivp RK45, rtol 1e-6"]]
+    own, listed = _error(ends[OURS], expected), []
+    for peer in peers:
+        figure = FIGURES.get(peer)
+        if peer not in ends:
+            listed.append(missing(NAME, peer, figure))
+            continue
+        row = compared(
+            NAME, peer, walls[OURS], walls[peer], figure, ours_error=own, peer_error=_error(ends[peer], expected),
+            error_means="inductor current at every sample [A]", error_asked=ERROR_ASKED,
+            before_s={OURS: first[OURS], peer: first[peer]},
+            note=f"timed over 1/{SCALED} of the periods" if peer.startswith("solve_ivp") else "",
+        )  # fmt: skip
+        listed.append(row)
+    free = "the same at a fixed duty"
+    return [*listed, compared(f"{NAME}, under its control", free, walls["controlled"], walls[OURS], bound="at most")]

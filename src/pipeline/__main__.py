@@ -1,4 +1,4 @@
-"""`python -m pipeline`: runs studies, compares and reports runs, keeps the store."""
+"""`python -m pipeline`: runs studies, compares and reports runs, validates the engine, keeps the store."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from collections.abc import Callable, Sequence
 
 from pipeline.errors import UserError
 
-COMMANDS = ("run", "compare", "report", "store")
+COMMANDS = ("run", "compare", "report", "store", "validate")
 
 
 def main(arguments: Sequence[str]) -> int:
@@ -28,6 +28,8 @@ def _command(name: str) -> Callable[[Sequence[str]], int]:
         from pipeline.commands.compare import main as command
     elif name == "report":
         from pipeline.commands.report import main as command
+    elif name == "validate":
+        from pipeline.commands.validate import main as command
     else:
         from pipeline.commands.store import main as command
     return command

@@ -22,3 +22,7 @@ def best_matches(name: str, known: Iterable[str]) -> str:
     if near:
         return "best matches are: " + ", ".join(near)
     return "known are: " + (", ".join(names) if names else "none")
+
+
+class EngineError(RuntimeError):
+    """A charge could not be computed to its end; the message says where it stood."""

@@ -46,7 +46,18 @@ def inlined(function: F) -> F:
     return _compile(function, _nrt=False, forceinline=True)
 
 
+@cache
+def by_address(signature: Any, function: Callable[..., None]) -> Any:
+    """Compile a function of one signature, to be handed to a kernel: all functions of a signature are of one type."""
+    return numba.cfunc(signature, **_settings(function))(function)
+
+
 def _compile(function: F, **options: bool) -> F:
+    settings = _settings(function) | options
+    return cast(F, numba.njit(**settings)(function))
+
+
+def _settings(function: Callable[..., Any]) -> dict[str, Any]:
     # Functions of other places (a notebook, a test) are compiled but not kept.
     keep = function.__module__.split(".")[0] == "pipeline"
     if keep:
@@ -54,5 +65,4 @@ def _compile(function: F, **options: bool) -> F:
         config.CACHE_DIR = str(cache_folder(function.__module__))  # type: ignore[attr-defined]
     # The nodes of a step stand side by side in memory: four of them are one operation.
     config.SLP_VECTORIZE = 1  # type: ignore[attr-defined]
-    settings: dict[str, Any] = {"cache": keep, "fastmath": False, "error_model": "numpy", **options}
-    return cast(F, numba.njit(**settings)(function))
+    return {"cache": keep, "fastmath": False, "error_model": "numpy"}

@@ -26,11 +26,17 @@ from pipeline.staging_phases import staging, used_settings
 from pipeline.switched_phases import switched
 from pipeline.tracking_phases import converters, tracking, tracking_titles
 from pipeline.trade_off_phases import trade_offs
+from pipeline.validation_phases import headings, validation
 
 
 def drafts(study: Study) -> list[Draft]:
     """Return the nodes of a study, inputs before those that read them."""
-    parts = (_supply, tracking, converters, finders, network, staging, _charges, _ensemble, trade_offs, switched, days)
+    parts = [
+        *(_supply, tracking, converters, finders, network, staging),
+        *(_charges, _ensemble, trade_offs, switched, days),
+    ]
+    # A study of the engine itself charges nothing beside its checks.
+    parts = parts if study.validation is None else [validation]
     nodes = [with_found(node) for part in parts for node in part(study)]
     nodes = needed(nodes, FINDERS)
     nodes += functions(study)
@@ -320,8 +326,8 @@ def _named(records: Mapping[str, Record]) -> list[dict[str, Any]]:
 _SHOWN = frozenset(
     {
         *("panel", "supply", "chaos", "objective", "tuning", "search", *NETWORK_STEPS, "functions", "charge"),
-        *("weather", "day", "switched", "tracking", "converters", "trade_off", "staging_search", "staging", "front"),
-        *("verdicts", "figures"),
+        *("weather", "day", "switched", "tracking", "converters", "validation", "trade_off", "staging_search"),
+        *("staging", "front", "verdicts", "figures"),
     }
 )
 
@@ -343,6 +349,7 @@ def _page(study: Study, nodes: list[Draft]) -> Iterator[Draft]:
             **_labels(study),
             **_searched(study, nodes),
             **(_cells(study) if study.second_battery is not None else {}),
+            **headings(study),
         },
         inputs={node.name: node.name for node in nodes if node.step in _SHOWN},
         shown={"*": ""},

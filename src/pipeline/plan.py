@@ -51,6 +51,7 @@ CHUNK_SIZE = {
     "functions": (1, 8),
     "charge": (4, 12),  # loading the kernels takes as long as a charge or two
     "trade_off": (1, 4),
+    "validation": (1, 1),
     "switched": (1, 12),
     "weather": (8, 32),
     "daylight": (8, 32),

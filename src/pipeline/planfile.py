@@ -17,8 +17,8 @@ STEPS = (
     "panel", "supply", "tracking", "converters", "chaos", "objective", "tuning", "search",
     "surface", "network", "network_size", "network_kernels",
     "staging_search", "function_runs", "staging", "front", "functions",
-    "engine", "charge", "switched", "ensemble", "trade_off", "weather", "daylight", "day", "verdicts", "figures",
-    "page",
+    "engine", "charge", "switched", "ensemble", "trade_off", "validation", "weather", "daylight", "day", "verdicts",
+    "figures", "page",
 )  # fmt: skip
 
 

@@ -28,7 +28,7 @@ class Workflow:
         ---------
         config : Snakemake's `--config`: `plan=FILE`, or `overrides="..."`, or nothing for the default studies.
         tidy : delete receipts that the store no longer honours; not when another process runs the workflow.
-        asked : targets named on the command line; studies that none of them needs are not composed.
+        asked : words of the command line; studies that none of its targets needs are not composed.
         """
         self.results = results
         self.file = _plan_file(config, results, asked)
@@ -49,6 +49,13 @@ class Workflow:
         cards = [run["configuration"]["study"] for run in self.plan["runs"]]
         named = {target for card in cards for target in card.get("on_request", ())}
         return sorted(named & set(self.plan["targets"]))
+
+    def tell(self) -> None:
+        """Print which charges did not reach what they were to reach."""
+        from pipeline.unreached import unreached
+
+        for line in unreached(self.plan, self.results):
+            print(line)
 
     def needs(self, chunk: str) -> list[str]:
         """Return the receipts that must be there before a chunk runs."""
@@ -76,15 +83,13 @@ class Workflow:
         return str(store.receipt(self.results, self.plan["chunks"][chunk]["step"], chunk))
 
 
-def open_workflow(config: Mapping[str, Any], settings: Any = None, tidy: bool = True) -> Workflow:
+def open_workflow(config: Mapping[str, Any], tidy: bool = True) -> Workflow:
     """Open the workflow; a person's mistake ends with one message and exit code 2, nothing written.
 
-    Arguments
-    ---------
-    settings : Snakemake's settings of the graph of jobs, for the targets that were asked for.
+    Which targets are asked for is read from the command line: Snakemake itself says so only after this file is read.
     """
     try:
-        return Workflow(config, tidy=tidy, asked={str(target) for target in getattr(settings, "targets", None) or ()})
+        return Workflow(config, tidy=tidy, asked=frozenset(sys.argv[1:]))
     except UserError as error:
         print(f"error: {error}", file=sys.stderr)
         sys.exit(2)
@@ -102,15 +107,31 @@ def _plan_file(config: Mapping[str, Any], results: Path, asked: Collection[str])
     if config.get("plan"):
         return Path(str(config["plan"]))
     # Composition needs Hydra; a job that is handed a plan does without.
-    from pipeline.config.compose import expand, options
+    from pipeline.config.compose import cards, expand
     from pipeline.plan import make_plan
 
     overrides = config.get("overrides")
     if overrides:
         return planfile.save(make_plan(expand(split_overrides(str(overrides))), asked), results)
-    studies = options("study")
-    wanted = [name for name in studies if name in asked] if asked and set(asked) <= set(studies) else studies
-    return planfile.save(make_plan([[f"study={name}"] for name in wanted], asked), results)
+    return planfile.save(make_plan([[f"study={name}"] for name in wanted(cards(), asked)], asked), results)
+
+
+def wanted(cards: Mapping[str, Mapping[str, Any]], asked: Collection[str]) -> list[str]:
+    """Return the studies to compose: those asked for where nothing else is, else all but those that stand apart.
+
+    Arguments
+    ---------
+    cards : name of a study -> its card.
+    asked : words of the command line; those that are no targets are passed over.
+    """
+    from pipeline.config.study import RESERVED
+
+    requests = {target for card in cards.values() for target in card.get("on_request", ())}
+    others = {word for word in asked if word in RESERVED | requests or "/" in word}
+    named = [name for name in cards if name in asked]
+    if named and not others:
+        return named
+    return [name for name, card in cards.items() if name in asked or not card.get("apart", False)]
 
 
 def split_overrides(text: str) -> list[str]:

@@ -5,7 +5,7 @@ import pytest
 
 from pipeline.cell.records import Battery
 from pipeline.charge.records import EngineSettings, Mode
-from pipeline.charge.simulate import EngineError
+from pipeline.errors import EngineError
 from tests.charge.samples import battery, charge, load, settings, values
 from tests.charge.test_exact import PLAIN, constant
 
@@ -82,7 +82,7 @@ def test_phases_repeat():
 
 
 def test_steps_that_run_out_are_an_error_with_time_and_state():
-    with pytest.raises(EngineError, match=r"steps are used up at .* s .*SOC 0\.[0-9]+"):
+    with pytest.raises(EngineError, match=r"steps are used up at .* s .*SOC 0\.[0-9]+.*maximum_steps is 10"):
         charge(PLAIN_BATTERY, constant(1.0, 1000), settings(0.1), engine=EngineSettings(maximum_steps=10))
 
 

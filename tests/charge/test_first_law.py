@@ -12,8 +12,9 @@ from tests.charge.samples import BATTERIES, ENGINE, MODES, SUITED, battery, char
 
 @pytest.mark.parametrize("cell", BATTERIES)
 @pytest.mark.parametrize("mode", MODES)
-def test_it_closes(cell, mode):
-    result = charge(battery(cell), suited_mode(mode, cell), settings(SUITED[cell][2]))
+@pytest.mark.parametrize("soc", [0.3, 0.8])  # flat and sloping parts of the curves
+def test_it_closes(cell, mode, soc):
+    result = charge(battery(cell), suited_mode(mode, cell), settings(soc))
     assert abs(values(result)["energy_balance_residual"]) < 1e-9
     energy = dict(zip(result.energy["path"], result.energy["energy_j"], strict=True))
     heat = sum(e for e, role in zip(result.energy["energy_j"], result.energy["role"], strict=True) if role == "loss")

@@ -10,6 +10,7 @@ from hypothesis import strategies as st
 from pydantic import ValidationError
 
 from pipeline import schemas, tables
+from pipeline.config.sources import split
 from pipeline.converter.chain import battery_power, unserved_load_w
 from pipeline.converter.checks import check
 from pipeline.converter.records import Converter, Load, PowerChain
@@ -19,8 +20,7 @@ CONF = Path(__file__).parents[2] / "conf"
 
 
 def _read(group: str, name: str, record: type):
-    settings = yaml.safe_load((CONF / group / f"{name}.yaml").read_text())
-    settings.pop("sources")
+    settings, _ = split(yaml.safe_load((CONF / group / f"{name}.yaml").read_text()))
     return record(**settings)
 
 

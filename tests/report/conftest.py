@@ -205,8 +205,8 @@ def limited(tmp_path_factory) -> ReportData:
     return build(tmp_path_factory.mktemp("limited"), supply_limited_s=3000.0)
 
 
-def cards() -> dict[str, FigureCard]:
-    settings = yaml.safe_load((CONF / "report" / "solar_reflex.yaml").read_text())
+def cards(study: str = "solar_reflex") -> dict[str, FigureCard]:
+    settings = yaml.safe_load((CONF / "report" / f"{study}.yaml").read_text())
     return {name: FigureCard(**card) for name, card in settings.items()}
 
 

@@ -3,15 +3,15 @@
 from __future__ import annotations
 
 import itertools
-import math
 
 import numpy as np
 import pytest
 from pydantic import ValidationError
+from scipy.stats import chisquare, ks_2samp
 
-from pipeline.search import nests
+from pipeline.search import levy, moves, nests
 from pipeline.search.algorithms import cuckoo
-from pipeline.search.benchmark_functions import BENCHMARKS
+from pipeline.search.benchmark_functions import BENCHMARKS, problem
 from pipeline.search.box import Box
 from pipeline.search.registry import replicated, replicated_alike
 from pipeline.search.streams import generators
@@ -32,31 +32,19 @@ def settings(low=-5.0, high=5.0, dimensions=3, **changes):
 
 
 def plain_cuckoo_search(objective, box, chosen, rng):
-    """Return the best value after each generation: Yang and Deb's search, nothing added, a nest at a time."""
-    beta = chosen.levy_exponent
-    sigma = (
-        math.gamma(1 + beta)
-        * math.sin(math.pi * beta / 2)
-        / (math.gamma((1 + beta) / 2) * beta * 2 ** ((beta - 1) / 2))
-    ) ** (1 / beta)
-    count, dimensions = chosen.nests, len(box.low)
-    nest = box.low + rng.random((count, dimensions)) * (box.high - box.low)
+    """Return the best value after each generation: Yang and Deb's search, nothing added, on the same random numbers."""
+    nest = box.low + rng.random((chosen.nests, len(box.low))) * (box.high - box.low)
     value = objective(nest)
     course = [value.min()]
-    shape = (32, count, dimensions)
-    for generation in range(chosen.generations):
-        block = generation % 32
-        if block == 0:
-            u, v, normal = rng.standard_normal((3, *shape))
-            order = rng.permuted(np.tile(np.arange(count), (32, 2, 1)), axis=-1)
-            length, chance = rng.random(shape[:2]), rng.random(shape)
-            step = sigma * u / np.abs(v) ** (1 / beta) * normal
+    drawn = levy.draws(chosen.nests, len(box.low), chosen.levy_exponent, [rng])
+    blocks = (zip(*(part[0] for part in block), strict=True) for block in drawn)
+    numbers = itertools.chain.from_iterable(blocks)
+    for _, (step, (one, other), length, chance) in zip(range(chosen.generations), numbers, strict=False):
         best = nest[np.argmin(value)].copy()
-        flown = np.clip(nest + chosen.step_scale * step[block] * (nest - best), box.low, box.high)
+        flown = np.clip(nest + chosen.step_scale * step * (nest - best), box.low, box.high)
         found = objective(flown)
         nest, value = np.where((found <= value)[:, None], flown, nest), np.minimum(found, value)
-        one, other = order[block]
-        difference = np.where(chance[block] < chosen.pa, length[block][:, None] * (nest[one] - nest[other]), 0.0)
+        difference = np.where(chance < chosen.pa, length[:, None] * (nest[one] - nest[other]), 0.0)
         walked = np.clip(nest + difference, box.low, box.high)
         found = objective(walked)
         nest, value = np.where((found <= value)[:, None], walked, nest), np.minimum(found, value)
@@ -78,31 +66,45 @@ def test_the_integral_and_the_inertia_change_the_search():
     assert all(not np.array_equal(one, other) for one, other in itertools.combinations(values, 2))
 
 
+def law(width=100.0, dimensions=2, **changes):
+    edge = np.full(dimensions, width)
+    return moves.Law(**{"pa": 0.25, "step_scale": 0.01, "ki": 0.05, "leak": 0.9, "low": -edge, "high": edge} | changes)
+
+
 def test_a_flight_is_the_reconstructed_equation():
-    position, best = np.array([[[1.0, -2.0], [3.0, 0.5]]]), np.array([[2.0, 1.0]])
-    integral, levy = np.array([[[0.5, 0.0], [-1.0, 2.0]]]), np.array([[[2.0, -1.0], [0.0, 10.0]]])
-    wide = np.full(2, 100.0)
-    flown, summed = nests.fly(position, best, integral, levy, 0.8, 0.01, 0.05, 0.9, -wide, wide)
-    error = best[:, None] - position
-    np.testing.assert_allclose(summed, 0.9 * integral + error)
-    np.testing.assert_allclose(flown, 0.8 * position - 0.01 * levy * error + 0.05 * (0.9 * integral + error))
+    position = np.array([[1.0, -2.0], [3.0, 0.5], [2.0, 1.0]])
+    before, levy_numbers = np.array([[0.5, 0.0], [-1.0, 2.0], [0.0, 1.0]]), np.array([[2.0, -1], [0, 10], [5, 5]])
+    summed, flown = before.copy(), np.empty((3, 2))
+    moves.fly(position, 2, summed, levy_numbers, 0.8, law(), flown)
+    error = position[2] - position
+    np.testing.assert_allclose(summed, 0.9 * before + error)
+    np.testing.assert_allclose(flown, 0.8 * position - 0.01 * levy_numbers * error + 0.05 * (0.9 * before + error))
 
 
 def test_a_walk_moves_the_coordinates_that_are_found():
-    position = np.array([[[0.0, 0.0], [1.0, 2.0], [5.0, -4.0]]])
-    partners, wide = np.array([[[1, 2, 0], [2, 0, 1]]]), np.full(2, 100.0)
-    chance = np.array([[[0.1, 0.9], [0.9, 0.9], [0.2, 0.1]]])
-    walked = nests.walk(position, partners, np.array([[0.5, 1.0, 0.25]]), chance, 0.25, -wide, wide)
-    np.testing.assert_allclose(walked[0], [[0.5 * (1 - 5), 0.0], [1.0, 2.0], [5 + 0.25 * (0 - 1), -4 + 0.25 * (0 - 2)]])
+    position, walked = np.array([[0.0, 0.0], [1.0, 2.0], [5.0, -4.0]]), np.empty((3, 2))
+    partners = np.array([[1, 2, 0], [2, 0, 1]])
+    chance = np.array([[0.1, 0.9], [0.9, 0.9], [0.2, 0.1]])
+    moves.walk(position, partners, np.array([0.5, 1.0, 0.25]), chance, law(), walked)
+    np.testing.assert_allclose(walked, [[0.5 * (1 - 5), 0.0], [1.0, 2.0], [5 + 0.25 * (0 - 1), -4 + 0.25 * (0 - 2)]])
 
 
 def test_only_what_is_no_worse_is_kept():
-    position, value = np.array([[[0.0], [1.0], [2.0]]]), np.array([[1.0, 2.0, np.inf]])
-    candidate, found = position + 10.0, np.array([[1.0, 3.0, np.nan]])
-    moved, values, best, least = nests.keep(position, value, candidate, found)
-    assert moved[0, :, 0].tolist() == [10.0, 1.0, 2.0]
-    assert values.tolist() == [[1.0, 2.0, np.inf]], "what is not a number is never kept"
-    assert (best.tolist(), least.tolist()) == ([[10.0]], [1.0])
+    position, value = np.array([[0.0], [1.0], [2.0]]), np.array([1.0, 2.0, np.inf])
+    leader = moves.keep(position, value, position + 10.0, np.array([1.0, 3.0, np.nan]))
+    assert position[:, 0].tolist() == [10.0, 1.0, 2.0]
+    assert value.tolist() == [1.0, 2.0, np.inf], "what is not a number is never kept"
+    assert leader == 0
+
+
+@pytest.mark.parametrize("placement", ["centred", "shifted", "rotated"])
+@pytest.mark.parametrize("changes", VARIANTS.values(), ids=VARIANTS)
+def test_a_compiled_objective_takes_the_course_of_any_other_bit_for_bit(changes, placement):
+    for name in ("ackley", "rosenbrock"):
+        objective, chosen = problem(name, placement, 3, 0.4, 1).objective, settings(**changes, generations=70)
+        compiled, called = replicated(objective, chosen, 7), replicated(objective.__call__, chosen, 7)
+        for one, other in zip(compiled, called, strict=True):
+            np.testing.assert_array_equal(one, other)
 
 
 @pytest.mark.parametrize(
@@ -171,18 +173,38 @@ def test_the_box_is_never_left_and_every_evaluation_counts(changes):
 
 def test_the_levy_numbers_have_the_tail_of_their_law():
     # Mantegna's u / |v|^(1/1.5) falls off as the power 1.5; the normal factor changes the scale alone.
-    assert nests.mantegna_deviation(1.5) == pytest.approx(0.6966, abs=5e-5)
-    drawn = nests.draws(50, 50, 1.5, generators(1, 0, 10))
-    size = np.sort(np.abs(np.concatenate([next(drawn).levy.ravel() for _ in range(64)])))
+    assert levy.mantegna_deviation(1.5) == pytest.approx(0.6966, abs=5e-5)
+    drawn = levy.draws(50, 50, 1.5, generators(1, 0, 10))
+    size = np.sort(np.abs(np.concatenate([next(drawn).levy.ravel() for _ in range(2)])))
     upper = size[-len(size) // 1000 :]
     assert 1.0 / np.mean(np.log(upper / upper[0])) == pytest.approx(1.5, abs=0.1), "Hill's estimate of the exponent"
 
 
+@pytest.mark.parametrize("exponent", [1.2, 1.5, 1.9])
+def test_the_levy_numbers_are_those_of_three_normal_numbers(exponent):
+    rng = np.random.default_rng(3)
+    u, v, normal = rng.standard_normal((3, 200_000))
+    direct = levy.mantegna_deviation(exponent) * u / np.abs(v) ** (1 / exponent) * normal
+    found = levy.levy_numbers(rng.random((4, 200_000)), exponent)
+    assert ks_2samp(found, direct).pvalue > 0.01
+    assert np.all(np.isfinite(levy.levy_numbers(np.full((4, 1, 1), 0.0), exponent)))
+    middle = np.array([0.0, 0.0, 0.5, 0.5]).reshape(4, 1, 1)
+    assert np.all(np.isfinite(levy.levy_numbers(middle, exponent))), "nothing over nothing"
+
+
+def test_every_order_of_the_partners_is_as_likely():
+    orders = levy.permutations(np.random.default_rng(5).random((60_000, 4)))
+    counts = np.unique(orders, axis=0, return_counts=True)[1]
+    assert len(counts) == 24
+    assert chisquare(counts).pvalue > 0.01
+
+
 def test_partners_are_permutations_and_numbers_uniform():
-    drawn = next(nests.draws(9, 2, 1.5, generators(1, 0, 3)))
-    np.testing.assert_array_equal(np.sort(drawn.partners, axis=-1), np.broadcast_to(np.arange(9), (3, 2, 9)))
+    drawn = next(levy.draws(9, 2, 1.5, generators(1, 0, 3)))
+    expected = np.broadcast_to(np.arange(9), (3, levy.BLOCK, 2, 9))
+    np.testing.assert_array_equal(np.sort(drawn.partners, axis=-1), expected)
     assert 0.0 <= drawn.length.min() <= drawn.length.max() < 1.0
-    assert 0.3 < drawn.chance.mean() < 0.7
+    assert 0.45 < drawn.chance.mean() < 0.55
 
 
 def test_inertia_falls_evenly():
@@ -196,6 +218,6 @@ def test_inertia_falls_evenly():
 
 def test_a_box_away_from_the_origin_is_filled_evenly():
     box = Box(np.array([10.0, 20.0]), np.array([11.0, 40.0]))
-    state = nests.begin(lambda x: x[:, 0], box, np.random.default_rng(1).random((5, 2000, 2)))
-    np.testing.assert_allclose(state.position.mean(axis=(0, 1)), [10.5, 30.0], rtol=0.01)
-    np.testing.assert_array_equal(state.best_value, state.position[:, :, 0].min(axis=1))
+    search = nests.Search(lambda x: x[:, 0], box, settings(), np.random.default_rng(1).random((5, 2000, 2)))
+    np.testing.assert_allclose(search.nests.position.mean(axis=(0, 1)), [10.5, 30.0], rtol=0.01)
+    np.testing.assert_array_equal(search.course.value[:, 0], search.nests.position[:, :, 0].min(axis=1))

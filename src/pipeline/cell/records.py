@@ -151,6 +151,14 @@ class Battery(Record):
     hysteresis: Hysteresis | None = Field(None, description="exponential zone; none where absent")
     thermal: Thermal = Field(description="thermal values")
 
+    @model_validator(mode="after")
+    def _physical(self) -> Self:
+        from pipeline.cell.physical import faults  # it reads these records
+
+        for fault in faults(self):
+            raise ValueError(fault)
+        return self
+
     @property
     def scale(self) -> float:
         """Return the number of cells in parallel that the scaled battery stands for, not necessarily whole."""

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 
 from pipeline.cell.records import Battery
@@ -9,7 +10,7 @@ from pipeline.cell.resting import resting_voltage_v
 from pipeline.charge.protocol import Resolver, parameters
 from pipeline.charge.records import ChargeSettings, Mode, Phase
 from pipeline.charge.sampled_checks import MOST_SAMPLES, check_sampled, check_watched
-from pipeline.charge.waveforms import ConstantCurrent, ConstantVoltage, Sampled, Staged, Until, Waveform
+from pipeline.charge.waveforms import ConstantCurrent, ConstantVoltage, Rest, Sampled, Staged, Until, Waveform
 from pipeline.errors import UserError, best_matches
 from pipeline.record import Number, Reference
 
@@ -33,6 +34,7 @@ def check(battery: Battery, mode: Mode, settings: ChargeSettings) -> None:
             check_sampled(f"phases.{name}", values, stop.get("elapsed_s", 0.0))
     _check_until("stop", stop, battery, settings)
     _check_ends(mode, stop, settings)
+    _check_begun(resolver, mode, stop, battery, settings)
     check_watched(mode)
     unused = sorted(set(mode.knobs) - resolver.used)
     if unused:
@@ -102,6 +104,8 @@ def _check_until(where: str, until: Mapping[str, float], battery: Battery, setti
     for name, value in until.items():
         if name != "temperature_c" and value <= 0.0:
             raise UserError(f"{where}.{name}: {value:g}; it must be greater than 0")
+        if name == "elapsed_s" and value < SHORTEST_SEGMENT_S:
+            raise UserError(f"{where}.{name}: {value:g} s; allowed is {SHORTEST_SEGMENT_S:g} s or more")
     soc = until.get("soc", 0.5)
     if soc > 1.0 or (soc == 1.0 and not battery.fills):
         raise UserError(
@@ -133,6 +137,45 @@ def _check_ends(mode: Mode, stop: Mapping[str, float], settings: ChargeSettings)
         phase = mode.phases[name]
         if not isinstance(phase.waveform, Staged) and phase.until == Until():
             raise UserError(f"phases.{name}.until: missing; without an end what follows is never reached")
+
+
+def _check_begun(
+    resolver: Resolver, mode: Mode, stop: Mapping[str, float], battery: Battery, settings: ChargeSettings
+) -> None:
+    """Refuse what is over as it begins: limits that a resting battery is beyond, currents never above theirs."""
+    first = next(iter(mode.phases))
+    until = _numbers(resolver.optional(mode.phases[first].until, f"phases.{first}.until"))
+    resting = resting_voltage_v(battery, settings.initial_soc, settings.ambient_c)
+    for where, limits in ((f"phases.{first}.until", until), ("stop", stop)):
+        if limits.get("voltage_v", math.inf) <= resting:
+            raise UserError(
+                f"{where}.voltage_v: {limits['voltage_v']:g} V is met at the start, where the battery rests at "
+                f"{resting:.2f} V; give more"
+            )
+    if until.get("soc", 1.0) <= settings.initial_soc:
+        raise UserError(
+            f"phases.{first}.until.soc: {until['soc']:g} is met at the start, initial_soc {settings.initial_soc:g}; "
+            "give more"
+        )
+    largest = {name: _largest_a(resolver, name, phase) for name, phase in mode.phases.items()}
+    ends = {
+        f"phases.{name}.until": (_numbers(resolver.optional(phase.until, f"phases.{name}.until")), largest[name])
+        for name, phase in mode.phases.items()
+    } | {"stop": (stop, max(largest.values()))}
+    for where, (limits, most) in ends.items():
+        if limits.get("current_a", -1.0) >= most:
+            raise UserError(
+                f"{where}.current_a: {limits['current_a']:g} A, but the current is never above {most:g} A; give less"
+            )
+
+
+def _largest_a(resolver: Resolver, name: str, phase: Phase) -> float:
+    """Return the largest current of a phase as far as it is known, else infinity [A]."""
+    found = parameters(resolver, phase.waveform, f"phases.{name}")
+    currents = [value for key, value in found.items() if key.split(".")[0].endswith("_a")]
+    if not currents or any(isinstance(value, Reference) for value in currents) or isinstance(phase.waveform, Sampled):
+        return 0.0 if isinstance(phase.waveform, Rest) else math.inf
+    return max(float(value) for value in currents if not isinstance(value, Reference))
 
 
 def _numbers(values: Mapping[str, Number]) -> dict[str, float]:

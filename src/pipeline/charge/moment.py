@@ -20,6 +20,7 @@ from pipeline.charge.state import (
     CURRENT_CONTROL,
     DEPTH,
     ENTROPY,
+    ENTROPY_SLOPE,
     ETA,
     ETA_BY_DEPTH,
     ETA_SLOPE,
@@ -60,7 +61,7 @@ def circuit_at(cell: Cell, run: Run, j: int) -> None:
     warmer = at[T, j] - REFERENCE_K
     at[SLOW_V, j] = open_v + entropy * warmer + run.state[HYSTERESIS]
     at[ENTROPY, j] = entropy
-    slope[OPEN_SLOPE, j] = open_slope + entropy_slope * warmer
+    slope[OPEN_SLOPE, j], slope[ENTROPY_SLOPE, j] = open_slope + entropy_slope * warmer, entropy_slope
     at[OHM, j], slope[OHM_SLOPE, j] = value_and_slope(cell, SERIES, x)
     for k in range(cell.pairs):
         run.resistance[k, j], run.slope[k, j] = value_and_slope(cell, FIRST_PAIR + k, x)

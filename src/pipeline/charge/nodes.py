@@ -11,6 +11,7 @@ from pipeline.charge.state import (
     CURRENT_CONTROL,
     DEPTH,
     ENTROPY,
+    ENTROPY_SLOPE,
     ETA,
     ETA_BY_DEPTH,
     ETA_SLOPE,
@@ -65,7 +66,14 @@ def circuit_near(cell: Cell, run: Run, per_charge: float) -> None:
     u, v, w = t[0] - t[START], t[1] - t[START], t[2] - t[START]
     open_v, entropy, ohm = at[SLOW_V, START], at[ENTROPY, START], at[OHM, START]
     by_depth, ohm_by_depth = slope[OPEN_SLOPE, START], slope[OHM_SLOPE, START]
-    put(at[ENTROPY], entropy, entropy, entropy, entropy)
+    entropy_by_depth = slope[ENTROPY_SLOPE, START]
+    put(
+        at[ENTROPY],
+        entropy + entropy_by_depth * a,
+        entropy + entropy_by_depth * b,
+        entropy + entropy_by_depth * c,
+        entropy,
+    )
     put(
         at[SLOW_V],
         open_v + by_depth * a + entropy * u,

@@ -12,8 +12,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pipeline.cell.circuit import Cell
+from pipeline.charge.plain import cross, is_plain
 from pipeline.charge.program import Program
-from pipeline.charge.record_keeping import Book, add_step, note_marks, take_sample, write_windows
+from pipeline.charge.record_keeping import Book, add_step, meets_window, note_marks, take_sample, write_windows
 from pipeline.charge.segment import (
     EDGE,
     ELAPSED,
@@ -87,6 +88,7 @@ def run_periods(
     last = periods + count
     limits = program.limits[course]
     watched = limits[WATCHED] > 0.0
+    plain = is_plain(cell) and not watched
     segments = program.segments[course]
     proposals = run.proposal_s
     reason = NOTHING
@@ -120,6 +122,19 @@ def run_periods(
                     supply_power_w[supply],
                     program.charging[course, segment],
                 )
+                due_s = min(next_sample * interval_s, program.stop_elapsed_s, phase_end_s)
+                if supply + 1 < len(supply_time_s):
+                    due_s = min(due_s, supply_time_s[supply + 1])
+                if (
+                    plain
+                    and remaining_s == length_s
+                    and due_s >= time_s + length_s - TICK
+                    and not meets_window(book, time_s, time_s + length_s)
+                    and cross(cell, run, book, demand, limits, ambient_k, length_s)
+                ):
+                    run.steps += 1
+                    time_s, remaining_s = segment_start_s + length_s, 0.0
+                    continue
                 if fresh:
                     if not choose_control(cell, run, demand):
                         clock.time_s = time_s
@@ -141,9 +156,6 @@ def run_periods(
                     return FAILED
                 if watched:
                     look_at_start(cell, run, ambient_k)
-                due_s = min(next_sample * interval_s, program.stop_elapsed_s, phase_end_s)
-                if supply + 1 < len(supply_time_s):
-                    due_s = min(due_s, supply_time_s[supply + 1])
                 longest_s = min(maximum_step_s, remaining_s)
                 if due_s - time_s < longest_s - TICK:
                     longest_s = due_s - time_s

@@ -21,11 +21,14 @@ from pipeline.charge.state import (
     PAIR_HEAT,
     POWER_CONTROL,
     RELAXATIONS,
+    REVERSIBLE_HEAT,
+    SERIES_HEAT,
     SIDE,
     SIDE_CHARGE,
     START,
     TEMPERATURE,
     TERMINAL_V,
+    TO_AMBIENT,
     TOTAL,
     VOLTAGE_CONTROL,
     VOLTAGE_TIME,
@@ -76,13 +79,7 @@ class Book(NamedTuple):
 def add_step(cell: Cell, run: Run, book: Book, length_s: float) -> None:
     """Add an accepted step to the sums since the last sample."""
     gain, at, sums, extremes = run.gain, run.at, book.sums, book.extremes
-    if gain[CHARGE] >= 0.0:
-        sums[CHARGE_IN] += gain[CHARGE]
-        sums[ENERGY_IN] += gain[ELECTRICAL]
-    else:
-        sums[CHARGE_OUT] -= gain[CHARGE]
-        sums[ENERGY_OUT] -= gain[ELECTRICAL]
-    sums[SPAN_S] += length_s
+    _add_charge(run, book, length_s)
     if run.control == VOLTAGE_CONTROL:
         sums[VOLTAGE_LIMITED_S] += length_s
     elif run.control == POWER_CONTROL:
@@ -95,6 +92,48 @@ def add_step(cell: Cell, run: Run, book: Book, length_s: float) -> None:
     extremes[LOWEST_A] = min(extremes[LOWEST_A], min(min(a[0], a[1]), min(a[2], a[3])))
     extremes[HIGHEST_A] = max(extremes[HIGHEST_A], max(max(a[0], a[1]), max(a[2], a[3])))
     book.peak_k[0] = max(book.peak_k[0], max(max(t[0], t[1]), max(t[2], t[3])))
+
+
+@inlined
+def add_plain(cell: Cell, run: Run, book: Book, current: float, length_s: float, start_v: float, end_v: float) -> None:
+    """Add a segment crossed in closed form to the sums since the last sample."""
+    gain, gains, extremes = run.gain, book.recent_gains, book.extremes
+    _add_charge(run, book, length_s)
+    for n in (CHARGE, VOLTAGE_TIME, ELECTRICAL, SERIES_HEAT, REVERSIBLE_HEAT, TO_AMBIENT):
+        gains[n] += gain[n]
+    for k in range(cell.pairs):
+        gains[PAIR_HEAT + k] += gain[PAIR_HEAT + k]
+    extremes[LOWEST_V] = min(extremes[LOWEST_V], min(start_v, end_v))
+    extremes[HIGHEST_V] = max(extremes[HIGHEST_V], max(start_v, end_v))
+    extremes[LOWEST_A], extremes[HIGHEST_A] = min(extremes[LOWEST_A], current), max(extremes[HIGHEST_A], current)
+    book.peak_k[0] = max(book.peak_k[0], run.end[TEMPERATURE])
+
+
+@inlined
+def _add_charge(run: Run, book: Book, length_s: float) -> None:
+    gain, sums = run.gain, book.sums
+    if gain[CHARGE] >= 0.0:
+        sums[CHARGE_IN] += gain[CHARGE]
+        sums[ENERGY_IN] += gain[ELECTRICAL]
+    else:
+        sums[CHARGE_OUT] -= gain[CHARGE]
+        sums[ENERGY_OUT] -= gain[ELECTRICAL]
+    sums[SPAN_S] += length_s
+
+
+@inlined
+def passes_mark(book: Book, depth: float) -> bool:
+    """Tell whether the next mark of SOC has been reached at this 1 - SOC."""
+    return bool(book.filled[3] < len(book.marks) and depth <= book.marks[book.filled[3], 0] + _ROUNDING)
+
+
+@inlined
+def meets_window(book: Book, time_s: float, end_s: float) -> bool:
+    """Tell whether a span of time touches a window."""
+    for window in range(len(book.windows)):
+        if time_s <= book.windows[window, 1] and end_s >= book.windows[window, 0]:
+            return True
+    return False
 
 
 @inlined
@@ -173,7 +212,7 @@ def temperature_at(run: Run, theta: float) -> float:
 @kernel
 def note_marks(cell: Cell, run: Run, book: Book, time_s: float, length_s: float) -> None:
     """Write time and temperature at each mark of SOC that the step just taken passes, by bisection of its cubic."""
-    while book.filled[3] < len(book.marks) and run.end[DEPTH] <= book.marks[book.filled[3], 0] + _ROUNDING:
+    while passes_mark(book, run.end[DEPTH]):
         mark = book.marks[book.filled[3]]
         low, high = 0.0, 1.0
         for _ in range(60):

@@ -45,7 +45,7 @@ STAGE_EDGE, WATCHED, FIRST_WATCHED, PLACES = 8, 9, 10, 14
 
 _NEVER = 1e300
 _CHATTER = 1e-9
-_ROUNDING = 1e-13
+ROUNDING = 1e-13
 # Error below which the next step may be four times as long.
 _EASY = 0.2**4
 
@@ -138,7 +138,7 @@ def guard_at(cell: Cell, run: Run, demand: Demand, limits: NDArray[np.float64], 
         gap = at[X, j] - limits[base]
         if gap < least:
             least, what = gap, LIMITS * of + SOC
-        gap = limits[base + 1] * (1.0 - _ROUNDING) - terminal
+        gap = limits[base + 1] * (1.0 - ROUNDING) - terminal
         if gap < least:
             least, what = gap, LIMITS * of + VOLTAGE
         if control == VOLTAGE_CONTROL and total - limits[base + 2] < least:
@@ -177,7 +177,7 @@ def clear_at_start(run: Run, limits: NDArray[np.float64]) -> bool:
     return bool(
         run.control == CURRENT_CONTROL
         and limits[WATCHED] == 0.0
-        and v < min(limits[1], limits[5]) * (1.0 - _ROUNDING)
+        and v < min(limits[1], limits[5]) * (1.0 - ROUNDING)
         and x > max(limits[0], max(limits[4], limits[STAGE_EDGE]))
         and t < min(limits[3], limits[7])
     )
@@ -190,7 +190,7 @@ def clear(cell: Cell, run: Run, demand: Demand, limits: NDArray[np.float64]) -> 
         return False
     x, v, t, value = run.at[X], run.at[TERMINAL_V], run.at[T], run.value[cell.pairs]
     highest_v = max(v[0], max(v[1], v[2]))
-    allowed_v = min(limits[1], limits[5]) * (1.0 - _ROUNDING)
+    allowed_v = min(limits[1], limits[5]) * (1.0 - ROUNDING)
     if demand.charging:
         allowed_v = min(allowed_v, demand.limit_v)
         if cell.cells * highest_v * demand.current_a > demand.power_w:

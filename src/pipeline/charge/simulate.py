@@ -14,22 +14,19 @@ from pipeline.cell.records import Battery
 from pipeline.charge import drive
 from pipeline.charge.checks import check
 from pipeline.charge.controller import Control, compile_control
+from pipeline.charge.ending import missed, reason
 from pipeline.charge.energy import balance
 from pipeline.charge.period import Clock, new_clock
 from pipeline.charge.program import Program, compile_program
-from pipeline.charge.protocol import UNTIL, Protocol, resolve
+from pipeline.charge.protocol import Protocol, resolve
 from pipeline.charge.record_keeping import PHASE_COLUMNS, SAMPLE_COLUMNS, SUMS, WAVEFORM_COLUMNS, Book
 from pipeline.charge.records import ChargeSettings, EngineSettings, Mode
-from pipeline.charge.segment import LIMITS
 from pipeline.charge.state import DEPTH, HYSTERESIS, PAIR_HEAT, TEMPERATURE, Run, new_run
 from pipeline.charge.stride import new_stride
 from pipeline.charge.summary import Quantity, summarise
+from pipeline.errors import EngineError
 
 Columns = dict[str, Any]
-
-
-class EngineError(RuntimeError):
-    """The engine could not go on; the message says where it stood."""
 
 
 class Supply(NamedTuple):
@@ -87,7 +84,7 @@ def simulate(battery: Battery, mode: Mode, supply: Supply, settings: ChargeSetti
         waveform=_waveform(outcome),
         phases=_phases(outcome),
         energy=energy,
-        summary=summarise(outcome, battery, settings, energy, reason(outcome, -1)),
+        summary=summarise(outcome, battery, settings, energy, reason(outcome, -1), missed(outcome, mode)),
     )
 
 
@@ -109,10 +106,12 @@ def run(battery: Battery, mode: Mode, supply: Supply, settings: ChargeSettings, 
     status = launch(cell, program, control, supply, state, book, clock, float(start[TEMPERATURE]), engine)
     end_s = float(clock["time_s"])
     if status != drive.DONE:
-        problem = "no solution of the circuit" if status == drive.CIRCUIT_FAILED else "the steps are used up"
+        failed = status == drive.CIRCUIT_FAILED
+        problem = "no solution of the circuit" if failed else "the steps are used up"
+        remedy = "" if failed else f"; engine.maximum_steps is {engine.maximum_steps}, give more or a shorter stop"
         raise EngineError(
             f"{problem} at {end_s:.9g} s after {state['steps']} steps: SOC {1.0 - state['state'][DEPTH]:.9g}, "
-            f"temperature {state['state'][TEMPERATURE] - ZERO_CELSIUS_K:.6g} degC"
+            f"temperature {state['state'][TEMPERATURE] - ZERO_CELSIUS_K:.6g} degC{remedy}"
         )
     return Outcome(cell, protocol, state, book, start, end_s)
 
@@ -186,26 +185,6 @@ def _points(program: Program, windows: NDArray[np.float64]) -> int:
     shortest = float(finite.min()) if finite.size else math.inf
     spans = windows[:, 1] - windows[:, 0]
     return int(sum(2000 + 80 * (span / min(shortest, span) + 2) + 500 for span in spans))
-
-
-def reason(outcome: Outcome, row: int) -> str:
-    """Return what ended a course, by its row in the book; the courses are those of the outcome's protocol."""
-    phases = outcome.book.phases[: outcome.book.filled[1]]
-    code, course = int(phases[row, 3]), outcome.protocol.courses[int(phases[row, 7])]
-    if code == 2 * LIMITS:
-        return f"soc {course.edge_soc:g}"
-    limits = outcome.protocol.stop if code >= LIMITS else course.until
-    name = UNTIL[code % LIMITS]
-    word, unit = {
-        "elapsed_s": ("elapsed", " s"),
-        "soc": ("soc", ""),
-        "voltage_v": ("voltage", " V"),
-        "current_a": ("current", " A"),
-        "temperature_c": ("temperature", " degC"),
-        "voltage_drop_v": ("voltage below its peak by", " V"),
-        "temperature_rate_k_s": ("temperature rate", " K/s"),
-    }[name]
-    return f"{'stop: ' if code >= LIMITS else ''}{word} {limits[name]:g}{unit}"
 
 
 def trace(outcome: Outcome, ambient_c: float) -> Columns:

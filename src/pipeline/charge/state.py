@@ -51,6 +51,9 @@ DEPTH, TEMPERATURE, HYSTERESIS, RELAXATIONS = range(4)
 ) = range(17)
 START = 3
 
+# Share of 1 - SOC that a step may move for straight lines to follow every curve, its square being nothing.
+NEAR = 1e-5
+
 MOST_REMEMBERED = 16
 _ALIGNMENT = 64
 
@@ -65,7 +68,7 @@ RUN = np.dtype(
         ("inverse", np.float64, (MOST_RELAXATIONS, 4)),
         ("bend", np.float64, (MOST_RELAXATIONS,)),
         ("conductance", np.float64, (MOST_RELAXATIONS, 4)),
-        ("depth_slope", np.float64, (3, 4)),
+        ("depth_slope", np.float64, (4, 4)),
         ("residual", np.float64, (4,)),
         ("jacobian", np.float64, (3, 4)),
         # Of each segment's steps in the last period: currents, rises in temperature at the moments, length, control.
@@ -75,6 +78,9 @@ RUN = np.dtype(
         ("end", np.float64, (RELAXATIONS + MOST_RELAXATIONS,)),
         ("gain", np.float64, (PAIR_HEAT + MOST_RELAXATIONS,)),
         ("proposal_s", np.float64, (3, 3)),
+        # Lengths of whole segments and how their pairs follow, of each segment.
+        ("plain_s", np.float64, (3,)),
+        ("plain", np.float64, (3, MOST_RELAXATIONS, 6)),
         ("guess_a", np.float64),
         ("relaxed_v", np.float64),
         ("segment", np.int64),
@@ -104,9 +110,9 @@ def new_run() -> Run:
     room = np.zeros(RUN.itemsize + _ALIGNMENT, dtype=np.uint8)
     begin = -room.ctypes.data % _ALIGNMENT
     run = room[begin : begin + RUN.itemsize].view(RUN).view(np.recarray)[0]
-    run["length_s"][:] = -1.0
+    run["length_s"][:] = run["plain_s"][:] = -1.0
     return run
 
 
 # Rows of the slopes with x.
-OPEN_SLOPE, OHM_SLOPE, ETA_BY_DEPTH = range(3)
+OPEN_SLOPE, OHM_SLOPE, ENTROPY_SLOPE, ETA_BY_DEPTH = range(4)

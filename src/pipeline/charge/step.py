@@ -22,6 +22,7 @@ from pipeline.charge.state import (
     CURRENT_CONTROL,
     DEPTH,
     MAIN,
+    NEAR,
     SIDE_SLOPE,
     TERMINAL_V,
     TOTAL,
@@ -36,8 +37,6 @@ _NEWTON = 1e-6
 _WARMING_K = 1e-6
 _WEAK = 1e-3
 _ROUNDING = 1e-9
-# Share of 1 - SOC that a step may move for straight lines to follow every curve, its square being nothing.
-_NEAR = 1e-5
 
 
 @kernel
@@ -61,7 +60,7 @@ def integrate(
     at, main, missed = run.at, run.at[MAIN], run.residual
     per_charge = run.length_s[slot] / cell.charge_as
     for _ in range(_ITERATIONS):
-        run.near = per_charge * _largest(main) < _NEAR * run.state[DEPTH]
+        run.near = per_charge * _largest(main) < NEAR * run.state[DEPTH]
         if not move(run, per_charge):
             return False
         if run.near:

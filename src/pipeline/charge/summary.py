@@ -23,6 +23,9 @@ if TYPE_CHECKING:
     from pipeline.charge.simulate import Outcome
 
 
+MISSED = "what it was to reach and did not, and why"
+
+
 class Quantity(NamedTuple):
     """A row of the summary; `value` is None where the charge did not get there or where it is text."""
 
@@ -34,9 +37,14 @@ class Quantity(NamedTuple):
 
 
 def summarise(
-    outcome: Outcome, battery: Battery, settings: ChargeSettings, energy: dict[str, Any], reason: str
+    outcome: Outcome,
+    battery: Battery,
+    settings: ChargeSettings,
+    energy: dict[str, Any],
+    reason: str,
+    missed: str | None,
 ) -> list[Quantity]:
-    """Return the quantities of a charge, in the order of the table."""
+    """Return the quantities of a charge, in the order of the table; what it missed only where it missed something."""
     totals, start, end = outcome.book.totals, outcome.start, outcome.run["state"]
     of_path = dict(zip(energy["path"], energy["energy_j"], strict=True))
     net_as = totals[CHARGE_IN] - totals[CHARGE_OUT]
@@ -53,6 +61,7 @@ def summarise(
         number("end_time_s", outcome.end_s, "s", "time at which the charge ended"),
         number("end_soc", 1.0 - end[DEPTH], "1", "state of charge at the end"),
         Quantity("end_reason", None, reason, "", "what ended the charge"),
+        *([Quantity("missed", None, missed, "", MISSED)] if missed is not None else []),
         number("charge_in_ah", totals[CHARGE_IN] / 3600, "Ah", "charge put in, discharge pulses not subtracted"),
         number("charge_out_ah", totals[CHARGE_OUT] / 3600, "Ah", "charge taken out by discharge pulses"),
         number("energy_in_wh", totals[ENERGY_IN] / 3600, "Wh", "energy put in, discharge pulses not subtracted"),

@@ -100,6 +100,12 @@ def options(group: str) -> list[str]:
     return sorted(path.stem for path in (CONF / group).glob("*.yaml"))
 
 
+def cards() -> dict[str, dict[str, Any]]:
+    """Return the card of every study as its file has it, by name; nothing is composed."""
+    read = {name: yaml.safe_load((CONF / "study" / f"{name}.yaml").read_text("utf-8")) for name in options("study")}
+    return {name: (content or {}).get("study", {}) for name, content in read.items()}
+
+
 def groups() -> list[str]:
     """Return the names of the configuration groups."""
     return sorted(path.name for path in CONF.iterdir() if path.is_dir())

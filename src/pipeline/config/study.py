@@ -39,6 +39,7 @@ from pipeline.search.registry import AnySettings
 from pipeline.taguchi.records import Design
 from pipeline.tracker.records import AnyTracker
 from pipeline.tracker.tracking_records import Tracking
+from pipeline.validation.records import Validation
 from pipeline.weather.records import Weather
 
 # Targets of the workflow, and folders of results/ that are not studies.
@@ -72,6 +73,7 @@ class StudyCard(Record):
     question: str = Field(description="what the study asks, in a sentence")
     paper: str = Field(description="citation of the paper it follows")
     doi: str = Field(default="", description="the paper's DOI, where it has one")
+    apart: bool = Field(default=False, description="made only when its own target is asked for, not by `all`")
     on_request: dict[str, tuple[str, ...]] = Field(
         default_factory=dict, description="target -> overrides of a run that is made only when the target is asked for"
     )
@@ -140,6 +142,7 @@ class Study(Record):
     staging: Staging | None = Field(default=None, description="search for the currents of a staged charge")
     calibrations: dict[str, Battery] = Field(default_factory=dict, description="batteries it is repeated on, by name")
     functions: FunctionStudy | None = Field(default=None, description="searches on test functions")
+    validation: Validation | None = Field(default=None, description="what the engine is held against, and nothing else")
     figures: dict[str, FigureCard] = Field(default_factory=dict)
     published: dict[str, Statement] = Field(default_factory=dict)
     sources: dict[str, Source] = Field(default_factory=dict)
@@ -167,7 +170,7 @@ def sections(modes_in_use: tuple[str, ...], calibrations: tuple[str, ...] = ()) 
         *modes,
         *charge,
         *("objective", "design", "search", "oracle", "network", "trade_off", "functions", "day"),
-        *("staging", *(f"calibrations.{name}" for name in calibrations)),
+        *("staging", "validation", *(f"calibrations.{name}" for name in calibrations)),
     )
 
 
@@ -253,7 +256,8 @@ def _unused(path: str, values: Mapping[str, Any]) -> bool:
 def _check_together(composed: Composed, study: Study) -> None:
     """Check what no record can check alone."""
     with _explained(composed):
-        for name in study.modes:
+        # A mode may take its values from another: the one that an override changed is told first.
+        for name in sorted(study.modes, key=lambda name: not _overridden(composed, f"modes.{name}")):
             with _below(composed, f"modes.{name}"):
                 charge_checks.check(study.battery, study.modes[name], study.charge)
                 if study.second_battery is not None:
@@ -314,13 +318,18 @@ def _numbers(study: Study) -> dict[str, set[str]]:
     return numbers | staged.quantities(study) | ({} if study.network is None else network_quantities())
 
 
+def _overridden(composed: Composed, path: str) -> list[str]:
+    """Return the overrides below a key path."""
+    return [word for word in composed.overrides if word.lstrip("+").startswith(f"{path}.")]
+
+
 @contextmanager
 def _below(composed: Composed, path: str) -> Iterator[None]:
     """Put a key path before the message of a check, and the overrides below it, which are the likely cause."""
     try:
         yield
     except (UserError, ValueError) as error:
-        words = [word for word in composed.overrides if word.lstrip("+").startswith(f"{path}.")]
+        words = _overridden(composed, path)
         cause = f"override {' '.join(words)}: " if words else ""
         raise UserError(f"{cause}{path}.{error}") from None
 

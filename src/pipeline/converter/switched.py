@@ -1,10 +1,11 @@
-"""A buck converter switch by switch under its current control: exact from one switching instant to the next.
+"""A converter switch by switch: exact from one switching instant to the next.
 
-Control: in each period the duty is the battery's voltage over the bus voltage, as the mean of the period before gave
-it, plus a proportional and an integral part of the reference less the mean inductor current of that period. The
-integral stands still while the duty is at a limit and between the pulses. A reference of zero turns the switch off: the
-second switch carries the current as a diode until it is zero. A negative one does the same, and then lets a resistor
-discharge the battery (S4). References change with the switching periods.
+The boost converter runs at a duty that its tracker sets, the buck converter under its current control: in each period
+the duty is the battery's voltage over the bus voltage, as the mean of the period before gave it, plus a proportional
+and an integral part of the reference less the mean inductor current of that period. The integral stands still while the
+duty is at a limit and between the pulses. A reference of zero turns the switch off: the second switch carries the
+current as a diode until it is zero. A negative one does the same, and then lets a resistor discharge the battery (S4).
+References change with the switching periods.
 """
 
 from __future__ import annotations
@@ -16,8 +17,8 @@ from numpy.typing import NDArray
 
 from pipeline.converter.maps import Maps, maps
 from pipeline.converter.switched_kernel import PERIOD_COLUMNS, run_periods
-from pipeline.converter.switched_records import SwitchedBuck
-from pipeline.converter.topologies import CAPACITOR, INDUCTOR, ONE, SIZE, THIRD, BatteryLoad, buck
+from pipeline.converter.switched_records import SwitchedBoost, SwitchedBuck
+from pipeline.converter.topologies import CAPACITOR, INDUCTOR, ONE, SIZE, THIRD, BatteryLoad, PanelSource, boost, buck
 
 Array = NDArray[np.float64]
 
@@ -78,6 +79,34 @@ def run_buck(
     reference = np.ascontiguousarray(reference_a, dtype=np.float64)
     state, memory = start(stage, bus_voltage_v, load, float(reference[0]), pair_voltage_v)
     return follow(made, gains(stage, bus_voltage_v), stage.rectifier == "synchronous", reference, state, memory)
+
+
+def run_boost(
+    stage: SwitchedBoost,
+    source: PanelSource,
+    bus_resistance_ohm: float,
+    duty: float,
+    state: Array,
+    periods: int,
+    samples: int = 20,
+) -> SwitchedRun:
+    """Run a boost converter at a fixed duty over some switching periods, its current continuous or not.
+
+    Arguments
+    ---------
+    source : the panel.
+    bus_resistance_ohm : what draws from the bus, as its voltage over its current [ohm].
+    duty : share of each period for which the switch is on [1].
+    state : inductor current [A], voltages of the output capacitor and across the panel [V] at the start, shape (3,).
+    samples : samples of each period.
+
+    Returns
+    -------
+    Samples and periods; `battery` stands for the bus: current into it and its voltage.
+    """
+    made = maps(boost(stage, source, bus_resistance_ohm), stage.switching_period_s, samples)
+    z, memory = np.append(np.asarray(state, dtype=np.float64), 1.0), np.zeros(3)
+    return follow(made, Gains(0.0, 0.0, 1.0, 1.0), stage.rectifier == "synchronous", np.zeros(periods), z, memory, duty)
 
 
 def follow(

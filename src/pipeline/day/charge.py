@@ -24,10 +24,11 @@ from pipeline.charge.program import compile_program
 from pipeline.charge.protocol import Course, resolve
 from pipeline.charge.record_keeping import CHARGE_IN, CHARGE_OUT, SUPPLY_LIMITED_S, VOLTAGE_LIMITED_S
 from pipeline.charge.records import ChargeSettings, EngineSettings, Mode
-from pipeline.charge.simulate import EngineError, Outcome, Supply, launch, new_book, trace
+from pipeline.charge.simulate import Outcome, Supply, launch, new_book, trace
 from pipeline.charge.state import DEPTH, HYSTERESIS, TEMPERATURE, new_run
 from pipeline.day.legs import Log, Place, pause, shares, still_to_run
 from pipeline.day.records import DayConditions
+from pipeline.errors import EngineError
 
 Array = NDArray[np.float64]
 

@@ -7,9 +7,10 @@ from dataclasses import dataclass, field, replace
 
 from pipeline.bus.records import Switching
 from pipeline.bus.switches import ENDED, MODE_1, MODE_2, OFF, Change, closed
+from pipeline.charge.ending import reason
 from pipeline.charge.protocol import Course, Protocol
 from pipeline.charge.segment import EDGE, ELAPSED, LIMITS
-from pipeline.charge.simulate import Outcome, reason
+from pipeline.charge.simulate import Outcome
 from pipeline.charge.waveforms import Rest
 
 _REST = Course("rest", 0, Rest(), tuple(Rest().segments({})), None, {})

@@ -13,8 +13,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pipeline.cell.circuit import ZERO_CELSIUS_K
+from pipeline.objective.staging_bounds import never_limited
 from pipeline.objective.staging_grid import ORDER, Grid
 from pipeline.objective.staging_kernel import END_K, END_V, FOUND, PEAK_K, PEAK_V, charge_stages
+from pipeline.objective.staging_maps import stage_maps, weighted
 from pipeline.objective.staging_records import Currents, Reading, Weights
 
 Array = NDArray[np.float64]
@@ -91,7 +93,7 @@ def charge(grid: Grid, currents: Array) -> Charges:
     if asked.size and not asked.min() >= grid.slowest_a * (1.0 - 1e-12):
         raise ValueError(f"a current of {asked.min():g} A; the grid is made for {grid.slowest_a:g} A and more")
     pieces = np.zeros((len(asked), len(grid.stage), FOUND))
-    charge_stages(grid, asked, np.zeros((4, ORDER + 2)), np.zeros(len(grid.tau_s)), pieces)
+    charge_stages(grid, asked, np.zeros((4, ORDER + 2)), np.zeros((len(asked), 1 + len(grid.tau_s))), pieces)
     first = np.searchsorted(grid.stage, np.arange(stages))
     ends, peaks = pieces[:, np.append(first[1:], len(grid.stage)) - 1], np.maximum.reduceat(pieces, first, axis=1)
     return Charges(
@@ -132,8 +134,16 @@ def excess_of(found: Charges, limits: Limits, ambient_c: float) -> Array:
 def objective_of(
     grid: Grid, currents: Currents, weights: Weights, reading: Reading, limits: Limits
 ) -> Callable[[Array], Array]:
-    """Return the objective as a search takes it: currents (n, stages) to values (n,)."""
+    """Return the objective as a search takes it: currents (n, stages) to values (n,).
+
+    Where no current of the range reaches a limit and the rise at the stages' ends is all that counts, it is compiled.
+    """
     scale, ambient_c = scale_of(grid, currents, reading), grid.ambient_k - ZERO_CELSIUS_K
+    if reading != "peak" and never_limited(grid, currents, limits.voltage_v, limits.temperature_c + ZERO_CELSIUS_K):
+        total = weights.time + weights.rise
+        of_time = weights.time / total / (scale.slowest_s - scale.fastest_s)
+        of_rise = weights.rise / total / scale.hottest_k
+        return weighted(stage_maps(grid, currents), of_time, of_rise, -of_time * scale.fastest_s, reading == "positive")
 
     def objective(candidates: Array) -> Array:
         return value_of(charge(grid, candidates), scale, weights, reading, limits, ambient_c)

@@ -94,22 +94,22 @@ def _highest(values: Array) -> float:
 
 
 @kernel
-def charge_stages(grid: Grid, currents: Array, room: Array, pair_v: Array, found: Array) -> None:
+def charge_stages(grid: Grid, currents: Array, room: Array, state: Array, found: Array) -> None:
     """Charge through the stages with each candidate's currents.
 
     Arguments
     ---------
     grid : battery and stages.
     currents : of the battery [A], (n, stages).
-    room, pair_v : to work in, (4, ORDER + 2) and (pairs,).
+    room : to work in, (4, ORDER + 2).
+    state : rise [K] and voltage of each pair [V] at the start, afterwards at the end, (n, 1 + pairs).
     found : is written, (n, pieces, FOUND).
     """
     forcing, rise, decay, volts = room[0], room[1], room[2], room[3]
     per_heat = grid.cells / grid.heat_capacity_j_k
     cooling = 1.0 / (grid.heat_capacity_j_k * grid.thermal_resistance_k_w)
     for n in range(len(currents)):
-        warm = 0.0
-        pair_v[:] = 0.0
+        warm, pair_v = state[n, 0], state[n, 1:]
         for p in range(len(grid.stage)):
             current = currents[n, grid.stage[p]]
             length_s = grid.charge_as[p] / current
@@ -135,6 +135,7 @@ def charge_stages(grid: Grid, currents: Array, room: Array, pair_v: Array, found
             row = found[n, p]
             row[END_K], row[PEAK_K] = warm, _highest(rise)
             row[END_V], row[PEAK_V] = volts[_END], _highest(volts)
+        state[n, 0] = warm
 
 
 @inlined

@@ -28,6 +28,10 @@ FILES: dict[DatabaseName, str] = {
 TITLES: dict[DatabaseName, str] = {"cec": "CEC module database", "sandia": "Sandia module database"}
 _PLAIN = str.maketrans(' -.()[]:+/",', "_" * 12)
 _HEADINGS = 3
+_CEC = (
+    *("I_mp_ref", "V_mp_ref", "V_oc_ref", "I_sc_ref", "alpha_sc", "beta_oc", "gamma_r", "N_s"),
+    *("I_L_ref", "I_o_ref", "R_s", "R_sh_ref", "a_ref", "Adjust"),
+)
 
 
 class PanelEntry(Record):
@@ -77,7 +81,7 @@ def reference(entry: PanelEntry) -> str:
 
 
 def _of_cec(row: Mapping[str, str]) -> dict[str, Any]:
-    value = {name: float(row[name]) for name in row if name not in ("Name", "Technology", "BIPV", "Version", "Date")}
+    value = {name: float(row[name]) for name in _CEC}
     return {
         "max_power_w": value["I_mp_ref"] * value["V_mp_ref"],
         "max_power_voltage_v": value["V_mp_ref"],

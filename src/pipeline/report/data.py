@@ -20,6 +20,7 @@ from pipeline import (
     schemas_supply,
     schemas_switched,
     schemas_trade_off,
+    schemas_validation,
     tables,
 )
 
@@ -49,6 +50,7 @@ FILES: dict[str, tuple[str, tables.Table]] = {
     "comparison": ("comparison.parquet", schemas.SEARCH_COMPARISON),
     **schemas_switched.FILES,
     **schemas_day.FILES,
+    **schemas_validation.FILES,
     **schemas_supply.FILES,
     **{table: found for (_, table), found in schemas_network.ARTEFACTS.items()},
     "staging_runs": ("runs.parquet", schemas_staging.STAGING_RUNS),

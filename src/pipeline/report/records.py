@@ -118,6 +118,13 @@ class StageSearchOptions(Record):
     searches: dict[str, str] = Field(min_length=1, max_length=7, description="name of a search -> what it is called")
 
 
+class CheckOptions(Record):
+    """The lines of a check of the engine."""
+
+    check: str = Field(min_length=1, description="name of the check")
+    columns: int = Field(default=2, ge=1, le=4, description="fields in a row")
+
+
 class CircuitOptions(Record):
     """One of the paper's diagrams of the system."""
 
@@ -177,14 +184,16 @@ DRAWINGS: dict[str, type[Record]] = {
     "tracker_ramp": NoOptions,
     "trade_off": NoOptions,
     "two_cells": NoOptions,
+    "validation_differences": CheckOptions,
+    "validation_orders": CheckOptions,
 }
 """Every module under `figures` and the record of its options."""
 
 
 Read = Literal[
-    "modes", "system", "algorithm", "battery", "stage_search", "panel", "supply", "tracking", "converters", "chaos",
-    "objective", "tuning", "search", "surface", "network", "network_size", "network_kernels", "functions", "charge",
-    "switched", "trade_off", "weather", "day", "staging_search", "staging", "front", "second_charge",
+    "modes", "system", "algorithm", "battery", "stage_search", "panel", "supply", "chaos", "objective", "tuning",
+    "search", "surface", "network", "network_size", "network_kernels", "functions", "charge", "switched", "trade_off",
+    "weather", "day", "staging_search", "staging", "front", "second_charge", "tracking", "converters", "validation",
 ]  # fmt: skip
 """What a figure may read."""
 

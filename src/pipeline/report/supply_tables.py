@@ -141,9 +141,17 @@ def tracking_text(data: ReportData) -> str:
     )
     text = [
         f"At 1000 W/m2 in steady light all trackers take at least {steady[low]:.2f} % of what the panel can give "
-        f"({names[low]} the least). On ramps of the irradiance the least is {worst[slow]:.1f} % ({names[slow]}) and "
-        f"{worst[fast]:.1f} % ({names[fast]})."
+        f"({names[low]} the least). The worst ramp leaves {names[slow]} {worst[slow]:.1f} %, {names[fast]} "
+        f"{worst[fast]:.1f} %; on all of them the cells keep one temperature."
     ]
+    days = data.table("tracking", "tracking_day")
+    if len(days["tracker"]):
+        least, most = int(np.argmin(days["efficiency"])), int(np.argmax(days["efficiency"]))
+        text.append(
+            f"Over a day, with cells that grow warm, {names[str(days['tracker'][least])]} takes as little as "
+            f"{100.0 * days['efficiency'][least]:.1f} %, {names[str(days['tracker'][most])]} up to "
+            f"{100.0 * days['efficiency'][most]:.2f} %."
+        )
     ends = data.table("tracking", "tracking_shading_ends")
     share = {name: 100.0 * float(np.min(ends["share"][ends["tracker"] == name])) for name in names}
     caught = [names[name] for name in names if share[name] < 95.0]

@@ -15,7 +15,9 @@ from numpy.typing import NDArray
 
 from pipeline.jit import jit
 from pipeline.search.box import Box
+from pipeline.search.compiled import Compiled
 from pipeline.search.function_records import CENTRED, HALF_WIDTHS, ROTATED
+from pipeline.search.half_turns import sine_squared
 from pipeline.search.history import Objective
 
 Array = NDArray[np.float64]
@@ -36,13 +38,21 @@ class Benchmark(NamedTuple):
 
 
 @jit
+def _sums(terms: Array) -> Array:
+    """Return the sum of each row, (n, d) to (n,)."""
+    values = np.zeros(len(terms))
+    for i in range(terms.shape[0]):
+        total = 0.0
+        for j in range(terms.shape[1]):
+            total += terms[i, j]
+        values[i] = total
+    return values
+
+
+@jit
 def sphere(x: Array) -> Array:
     """Return the sum of squares: one minimum, all directions alike."""
-    values = np.zeros(len(x))
-    for i in range(x.shape[0]):
-        for j in range(x.shape[1]):
-            values[i] += x[i, j] * x[i, j]
-    return values
+    return _sums(x * x)
 
 
 @jit
@@ -85,11 +95,10 @@ def rosenbrock(x: Array) -> Array:
 @jit
 def rastrigin(x: Array) -> Array:
     """Return Rastrigin's function: a bowl with a regular lattice of local minima."""
-    values = np.zeros(len(x))
-    for i in range(x.shape[0]):
-        for j in range(x.shape[1]):
-            values[i] += x[i, j] * x[i, j] + (10.0 - 10.0 * math.cos(2.0 * math.pi * x[i, j]))
-    return values
+    terms, flat = np.empty(x.size), x.flatten()
+    for k in range(x.size):
+        terms[k] = flat[k] * flat[k] + 20.0 * sine_squared(flat[k])
+    return _sums(terms.reshape(x.shape))
 
 
 @jit
@@ -109,13 +118,14 @@ def griewank(x: Array) -> Array:
 def ackley(x: Array) -> Array:
     """Return Ackley's function: nearly flat far out, a funnel with ripples within."""
     values = np.empty(len(x))
+    sines, flat = np.empty(x.size), x.flatten()
+    for k in range(x.size):
+        sines[k] = sine_squared(flat[k])
+    squares, ripples = sphere(x), _sums(sines.reshape(x.shape))
     for i in range(x.shape[0]):
-        squares, ripples = 0.0, 0.0
-        for j in range(x.shape[1]):
-            squares += x[i, j] * x[i, j]
-            ripples += math.cos(2.0 * math.pi * x[i, j])
-        bowl = -20.0 * math.expm1(-0.2 * math.sqrt(squares / x.shape[1]))
-        values[i] = bowl + (math.e - math.exp(ripples / x.shape[1]))
+        bowl = -20.0 * math.expm1(-0.2 * math.sqrt(squares[i] / x.shape[1]))
+        # The mean cosine of 2 pi x is 1 - 2 sin^2(pi x): near the minimum nothing cancels.
+        values[i] = bowl - math.e * math.expm1(-2.0 * ripples[i] / x.shape[1])
     return values
 
 
@@ -151,29 +161,27 @@ def problem(name: str, placement: str, dimensions: int, shift_share: float, seed
     benchmark = BENCHMARKS[name]
     box = benchmark.box(dimensions)
     if placement == CENTRED:
-        return Problem(benchmark.function, box, np.full(dimensions, benchmark.minimum_at))
+        place = np.full(dimensions, benchmark.minimum_at)
+        return Problem(placed(benchmark, place), box, place)
     rng = np.random.default_rng(np.random.SeedSequence([seed, zlib.crc32(name.encode())]))
     place = benchmark.half_width * shift_share * rng.uniform(-1.0, 1.0, dimensions)
     rotation = random_rotation(dimensions, rng) if placement == ROTATED else None
     return Problem(placed(benchmark, place, rotation), box, place)
 
 
-def placed(benchmark: Benchmark, minimum_at: Array, rotation: Array | None = None) -> Objective:
+def placed(benchmark: Benchmark, minimum_at: Array, rotation: Array | None = None) -> Compiled:
     """Return the function with its minimum moved to a place (d,), and turned about it by a matrix (d, d), if given."""
-
-    def function(x: Array) -> Array:
-        moved = x - (minimum_at - benchmark.minimum_at)
-        return benchmark.function(moved if rotation is None else _turned(moved, benchmark.minimum_at, rotation))
-
-    return function
+    turn = np.empty(0) if rotation is None else rotation.T.ravel()
+    head = [list(BENCHMARKS).index(benchmark.name), benchmark.minimum_at]
+    return Compiled(_placed, np.concatenate([head, minimum_at - benchmark.minimum_at, turn]))
 
 
-def shifted(benchmark: Benchmark, offset: Array) -> Objective:
+def shifted(benchmark: Benchmark, offset: Array) -> Compiled:
     """Return the function with its minimum moved by an offset, shape (d,): no search gains by going to the middle."""
     return placed(benchmark, benchmark.minimum_at + offset)
 
 
-def rotated(benchmark: Benchmark, rotation: Array) -> Objective:
+def rotated(benchmark: Benchmark, rotation: Array) -> Compiled:
     """Return the function turned about its minimum by an orthogonal matrix (d, d): none gains along the axes."""
     return placed(benchmark, np.full(len(rotation), benchmark.minimum_at), rotation)
 
@@ -185,13 +193,49 @@ def random_rotation(dimensions: int, rng: np.random.Generator) -> Array:
     return result
 
 
+def _placed(place: Array, x: Array, values: Array) -> None:
+    """Write the values of positions (n, d).
+
+    Arguments
+    ---------
+    place : which of the functions, the coordinate of its minimum, how far it is moved (d,), and the columns of the
+        matrix that it is turned by (d * d,), if it is.
+    """
+    dimensions = x.shape[1]
+    moved = np.empty_like(x)
+    for i in range(x.shape[0]):
+        for j in range(dimensions):
+            moved[i, j] = x[i, j] - place[2 + j]
+    if len(place) > 2 + dimensions:
+        moved = _turned(moved, place[1], place[2 + dimensions :].reshape(dimensions, dimensions))
+    values[:] = _value(int(place[0]), moved)
+
+
 @jit
-def _turned(x: Array, about: float, rotation: Array) -> Array:
+def _value(number: int, x: Array) -> Array:
+    # One kernel for all: a function of its own for each would be compiled for each placement.
+    if number == 0:
+        return sphere(x)
+    if number == 1:
+        return schwefel_222(x)
+    if number == 2:
+        return schwefel_12(x)
+    if number == 3:
+        return rosenbrock(x)
+    if number == 4:
+        return rastrigin(x)
+    if number == 5:
+        return griewank(x)
+    return ackley(x)
+
+
+@jit
+def _turned(x: Array, about: float, columns: Array) -> Array:
     # Not a matrix product of numpy's: its last bits depend on how many rows it is given.
     turned = np.full(x.shape, about)
     for i in range(x.shape[0]):
         for k in range(x.shape[1]):
             away = x[i, k] - about
             for j in range(x.shape[1]):
-                turned[i, j] += rotation[j, k] * away
+                turned[i, j] += columns[k, j] * away
     return turned

@@ -10,11 +10,11 @@ from pipeline.quantity import Quantity
 from pipeline.search.algorithms.cuckoo import Settings
 from pipeline.search.function_names import OF_A_LOOP, OF_THE_GAIN
 from pipeline.search.function_records import FunctionStudy
-from pipeline.search.nests import draws
+from pipeline.search.levy import BLOCK, draws
 from pipeline.search.stability import is_ringing, is_stable, steady_state_error, step_poles
 from pipeline.search.streams import generators
 
-_GENERATIONS = 400
+_GENERATIONS = 420
 
 
 def quantities(study: FunctionStudy, seed: int) -> list[Quantity]:
@@ -50,4 +50,4 @@ def quantities(study: FunctionStudy, seed: int) -> list[Quantity]:
 def _gains(plain: Settings, dimensions: int, seed: int) -> np.ndarray[tuple[int], np.dtype[np.float64]]:
     """Return many values of Kp, what a flight multiplies the distance to the best nest by."""
     drawn = draws(plain.nests, dimensions, plain.levy_exponent, generators(seed, 0, 1))
-    return np.concatenate([-plain.step_scale * next(drawn).levy.ravel() for _ in range(_GENERATIONS)])
+    return np.concatenate([-plain.step_scale * next(drawn).levy.ravel() for _ in range(_GENERATIONS // BLOCK)])

@@ -12,11 +12,11 @@ from pathlib import Path
 from typing import Any
 
 from pipeline import planfile, publish, store
-from pipeline.errors import UserError
+from pipeline.errors import EngineError, UserError
 
 
 def main(arguments: Sequence[str]) -> int:
-    """Run a chunk; return 0, or 2 for a person's mistake and 1 for an artefact that came out different."""
+    """Run a chunk; return 0, or 2 for a person's mistake and 1 for what did not compute or came out different."""
     parser = argparse.ArgumentParser(prog="python -m pipeline.steps", description=__doc__)
     parser.add_argument("--plan", type=Path, required=True, help="plan file, results/plan/<digest>.json")
     parser.add_argument("--step", required=True, choices=[*planfile.STEPS, "publish"], help="the step to run")
@@ -36,7 +36,7 @@ def main(arguments: Sequence[str]) -> int:
     except UserError as error:
         print(f"error: {error}", file=sys.stderr)
         return 2
-    except store.StoreError as error:
+    except (store.StoreError, EngineError) as error:
         print(f"error: {error}", file=sys.stderr)
         return 1
     return 0

@@ -12,6 +12,7 @@ from pipeline.report import day_tables, second_cell, supply_sections
 from pipeline.report import tables as report_tables
 from pipeline.report.data import ReportData
 from pipeline.report.function_tables import function_tables
+from pipeline.report.missed import missed
 from pipeline.report.network_tables import network_tables
 from pipeline.report.pages import PageContent, PageFigure, PageSection, Paper, render
 from pipeline.report.parameters import parameters
@@ -19,6 +20,7 @@ from pipeline.report.search_tables import beyond_range, search_tables
 from pipeline.report.staging_tables import staging_tables
 from pipeline.report.switched_tables import switched_tables
 from pipeline.report.tables import ReportTable
+from pipeline.report.validation_tables import validation_sections
 from pipeline.report.worth import answer, titles, worth
 from pipeline.steps.labels import report_data
 
@@ -29,17 +31,22 @@ def run(settings: Mapping[str, Any], inputs: Mapping[str, Path], output: Path) -
     verdicts = _verdicts(inputs)
     shown = _tables(data, inputs)
     figures = {card["name"]: _figure(card, inputs[f"figure/{card['name']}"]) for card in settings["figures"]}
-    parts = ("second_charge", "trade_off", "day")
-    of_second, of_trade_off, of_day = (_reading(settings["figures"], step) for step in parts)
-    of_supply = [_reading(settings["figures"], step) for step in ("tracking", "converters")]
-    apart = {*of_second, *of_trade_off, *of_day, *of_supply[0], *of_supply[1]}
-    sections = _worth(data, inputs, [figures[name] for name in of_trade_off])
-    sections += _second(data, inputs, verdicts, [figures[name] for name in of_second])
-    sections += supply_sections.sections(data, *([figures[name] for name in names] for names in of_supply))
-    sections += _days(data, [figures[name] for name in of_day])
+    parts = ("second_charge", "trade_off", "validation", "tracking", "converters", "day")
+    of = {part: _reading(settings["figures"], part) for part in parts}
+    drawn = {part: [figures[name] for name in names] for part, names in of.items()}
+    apart = {name for names in of.values() for name in names}
+    sections = _worth(data, inputs, drawn["trade_off"])
+    sections += _second(data, inputs, verdicts, drawn["second_charge"])
+    sections += validation_sections(data, settings.get("checks", ()), _by_check(settings["figures"], figures))
+    sections += supply_sections.sections(data, drawn["tracking"], drawn["converters"])
+    sections += _days(data, drawn["day"])
     listed = parameters(settings["parameters"])
     study, searched = settings["study"], settings.get("searched")
-    notes = [*_departure(settings["overrides"]), *beyond_range(data, tuple(searched) if searched else None)]
+    notes = [
+        *_departure(settings["overrides"]),
+        *missed(data),
+        *beyond_range(data, tuple(searched) if searched else None),
+    ]
     page = PageContent(
         title=study["title"],
         subtitle=" ".join([f"{study['question']} {settings['battery']}.", *notes]),
@@ -55,7 +62,8 @@ def run(settings: Mapping[str, Any], inputs: Mapping[str, Path], output: Path) -
     (output / "index.html").write_text(render(page), encoding="utf-8")
     (output / "tables").mkdir()
     in_sections = [table for section in sections for table in section.tables]
-    for table in [*shown, *in_sections, report_tables.verdicts(verdicts), report_tables.parameters(listed)]:
+    judged = [report_tables.verdicts(verdicts)] if len(verdicts["statement"]) else []
+    for table in [*shown, *in_sections, *judged, report_tables.parameters(listed)]:
         (output / "tables" / f"{table.name}.csv").write_text(report_tables.to_csv(table), encoding="utf-8")
 
 
@@ -65,11 +73,24 @@ def _departure(overrides: list[str]) -> list[str]:
 
 
 def _tables(data: ReportData, inputs: Mapping[str, Path]) -> list[ReportTable]:
-    shown = [report_tables.charges(data), report_tables.energy(data)]
+    shown = [report_tables.charges(data), report_tables.energy(data)] if _charged(inputs) else []
     if "panel" in inputs:
         shown.insert(0, report_tables.table_1(data, REFERENCE / "solar_table1.csv"))
     shown += switched_tables(data) + search_tables(data, REFERENCE) + network_tables(data, REFERENCE)
     return shown + staging_tables(data) + function_tables(data)
+
+
+def _charged(inputs: Mapping[str, Path]) -> bool:
+    return any(name.startswith("charge/") for name in inputs)
+
+
+def _by_check(cards: list[Mapping[str, Any]], figures: Mapping[str, PageFigure]) -> dict[str, list[PageFigure]]:
+    """Return the figures of each check of the engine."""
+    found: dict[str, list[PageFigure]] = {}
+    for card in cards:
+        if "validation" in card["reads"]:
+            found.setdefault(card["options"]["check"], []).append(figures[card["name"]])
+    return found
 
 
 def _reading(cards: list[Mapping[str, Any]], step: str) -> list[str]:

@@ -87,7 +87,7 @@ def energy_rows(name: str = "Kyocera_Solar_KC130GT") -> list[Row]:
         losses_model="no_loss",
     )
     with warnings.catch_warnings():
-        warnings.simplefilter("ignore", DeprecationWarning)  # pvlib's own use of pandas
+        warnings.simplefilter("ignore")  # those of pandas and scipy inside pvlib
         chain.run_model_from_poa(weather)
     theirs = float(chain.results.dc["p_mp"].fillna(0.0).sum())
     return [
@@ -105,7 +105,7 @@ def _clear_day() -> tuple[Any, Any]:
     times = pd.date_range("2015-04-01", periods=1440, freq="1min", tz=str(_PLACE["tz"]))
     sun = location.get_solarposition(times)
     with warnings.catch_warnings():
-        warnings.simplefilter("ignore", DeprecationWarning)  # pvlib's own use of pandas
+        warnings.simplefilter("ignore")  # those of pandas and scipy inside pvlib
         sky = location.get_clearsky(times, solar_position=sun, linke_turbidity=_TURBIDITY)
     total = get_total_irradiance(
         _TILT_DEG, 180.0, sun["apparent_zenith"], sun["azimuth"], sky["dni"], sky["ghi"], sky["dhi"]

@@ -51,7 +51,7 @@ def draw(figure: FigureCard, data: ReportData) -> Figure:
         _losses(fields[1, column], own, which)
         fields[1, column].set_xlabel("Input power [W]")
     fields[0, 0].set_ylabel("Efficiency [%]")
-    fields[1, 0].set_ylabel("Losses [W]")
+    fields[1, 0].set_ylabel("Losses [% of the input]")
     handles, labels = fields[1, 1].get_legend_handles_labels()
     drawing.legend(handles, labels, loc="outside lower center", ncols=4)
     return drawing
@@ -81,5 +81,5 @@ def _losses(axes: Axes, own: Columns, which: str) -> None:
     name, _ = _VARIED[which]
     voltages = np.unique(own[name])
     at = own[name] == voltages[len(voltages) // 2]
-    parts = [own[path][at] for path in _PATHS]
+    parts = [100.0 * own[path][at] / own["power_w"][at] for path in _PATHS]
     axes.stackplot(own["power_w"][at], parts, labels=list(_PATHS.values()), colors=style.PARTS)

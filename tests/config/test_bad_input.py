@@ -1,0 +1,102 @@
+"""Bad input, one list: refused before anything runs, in one message that says what, where, and what is allowed."""
+
+from __future__ import annotations
+
+from copy import deepcopy
+from dataclasses import replace
+from functools import cache
+
+import pytest
+import yaml
+
+from pipeline.config.compose import Composed, compose_tree
+from pipeline.config.study import study_from
+from pipeline.errors import UserError
+
+REFLEX = "modes.cv_reflex"
+BULK = f"{REFLEX}.phases.bulk.until"
+
+BATTERY = [
+    ("battery.capacity_ah=-7", "capacity_ah: .*greater than 0"),
+    ("battery.capacity_ah=.nan", "capacity_ah: .*number"),
+    ("battery.series_resistance_ohm=-0.01", "series_resistance_ohm is -0.01 ohm at SOC 0; it must be 0 or greater"),
+    (
+        "battery.series_resistance_ohm.polynomial=[0.004,-0.01]",
+        "series_resistance_ohm is -0.006 ohm at SOC 0; it must be 0 or greater",
+    ),
+    ("battery.pairs.fast.resistance_ohm=-0.001", "pairs.fast.resistance_ohm is -0.001 ohm"),
+    ("battery.pairs.fast.time_constant_s=0", "time_constant_s: .*greater than 0"),
+    ("battery.open_circuit_voltage_v=-2", "open_circuit_voltage_v is -2 V at SOC 0.5"),
+    ("battery.open_circuit_voltage_v.polynomial=[2.15,0.5]", "open_circuit_voltage_v .*may not fall while charging"),
+    ("battery.entropic_coefficient_v_k=5", "entropic_coefficient_v_k comes to 5 V/K; allowed is less than 0.00693 V/K"),
+    ("battery.side_reaction.current_a=-1", "side_reaction.current_a: .*greater than 0"),
+    ("battery.thermal.heat_capacity_j_k=0", "heat_capacity_j_k: .*greater than 0"),
+    ("charge.ambient_c=-300", "ambient_c: .*greater than or equal to -40"),
+    ("charge.initial_soc=1.2", "initial_soc: .*less than 1"),
+]
+ZERO_LENGTH = [
+    (f"{BULK}.elapsed_s=0", r"bulk\.until\.elapsed_s: 0; it must be greater than 0"),
+    (f"{BULK}.elapsed_s=1.0e-12", r"bulk\.until\.elapsed_s: 1e-12 s; allowed is 1e-06 s or more"),
+    (f"+{BULK}.soc=0.1", r"bulk\.until\.soc: 0.1 is met at the start, initial_soc 0.2; give more"),
+    (f"+{BULK}.voltage_v=3", r"bulk\.until\.voltage_v: 3 V is met at the start, .* rests at 12.08 V; give more"),
+    (f"+{BULK}.current_a=5", r"bulk\.until\.current_a: 5 A, but the current is never above 2.1 A; give less"),
+    (f"{BULK}.temperature_c=20", r"bulk\.until\.temperature_c: 20 degC is not above the ambient's 25"),
+    ("modes.cc_cv.stop.elapsed_s=0", r"stop\.elapsed_s: 0; it must be greater than 0"),
+    ("modes.cc_cv.stop.soc=0.1", r"stop\.soc: 0.1 is not above initial_soc 0.2"),
+    ("+modes.cc_cv.stop.voltage_v=3", r"stop\.voltage_v: 3 V is met at the start"),
+    ("+modes.cc_cv.stop.current_a=3", r"stop\.current_a: 3 A, but the current is never above 2.1 A"),
+    (f"{REFLEX}.charge_share=0", "charge_share: 0 is not a share of the period"),
+    ("charge.windows=[{start_s: 0, length_s: 0}]", "length_s: .*greater than 0"),
+]
+FREQUENCIES = [
+    (f"{REFLEX}.frequency_hz=0", r"override modes.cv_reflex.frequency_hz=0: .*frequency_hz: 0; .*greater than 0"),
+    (f"{REFLEX}.frequency_hz=3000", "3000 Hz; the shortest part of a pulse, .*up to 2500 Hz"),
+    # A period no longer than a switching period of 20 us, and than two of them.
+    (f"{REFLEX}.frequency_hz=50000", "50000 Hz"),
+    (f"{REFLEX}.frequency_hz=25000", "25000 Hz; .*less than a switching period of 2e-05 s; allowed is up to 2500 Hz"),
+    (f"{REFLEX}.frequency_hz=60000", "60000 Hz"),
+]
+ENGINE = [
+    ("engine.driver=averged", "driver: .*'auto', 'edge' or 'averaged'"),
+    ("engine.tolerance=0", "tolerance: .*greater than 0"),
+    ("engine.maximum_step_s=0", "maximum_step_s: .*greater than 0"),
+    ("engine.maximum_steps=0", "maximum_steps: .*greater than or equal to 1"),
+]
+
+
+@cache
+def default() -> Composed:
+    return compose_tree([])
+
+
+def composed(word: str) -> Composed:
+    """Return the default study with one value overridden, as Hydra would, composed once for all of them."""
+    path, _, value = word.lstrip("+").partition("=")
+    tree = deepcopy(default().tree)
+    *parents, last = path.split(".")
+    here = tree
+    for key in parents:
+        here = here[key]
+    here[last] = yaml.safe_load(value)
+    return replace(default(), tree=tree, overrides=(word,))
+
+
+@pytest.mark.parametrize(("word", "message"), [*BATTERY, *ZERO_LENGTH, *FREQUENCIES, *ENGINE])
+def test_it_is_refused(word: str, message: str) -> None:
+    with pytest.raises(UserError, match=message) as refused:
+        study_from(composed(word))
+    told = str(refused.value)
+    assert f"override {word}: " in told or "conf/battery/lead_acid_12v7ah.yaml:" in told
+    assert len(told.splitlines()) == 1
+
+
+def test_what_is_not_overridden_is_not_refused() -> None:
+    assert study_from(composed("charge.initial_soc=0.3")).charge.initial_soc == 0.3
+
+
+def test_pulses_are_not_refused_where_there_is_one_part() -> None:
+    study_from(compose_tree(["modes.cv_pulse.charge_share=1.0", "modes.run=[cc_cv,cv_pulse]"]))
+
+
+def test_the_driver_can_be_forced() -> None:
+    assert study_from(compose_tree(["engine.driver=averaged"])).engine.driver == "averaged"

@@ -1,0 +1,101 @@
+"""Figures and sections of the checks of the engine, and what a page says of missed goals, from made-up artefacts."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from pipeline import schemas_validation, tables
+from pipeline.report.data import ModeLabel, ReportData
+from pipeline.report.draw import draw
+from pipeline.report.missed import missed
+from pipeline.report.validation_tables import validation_sections
+from tests.report.conftest import cards, write
+
+CHECKS = [
+    {"name": name, "title": name.title(), "text": "Text."}
+    for name in ("exact", "order", "first_law", "against_pybamm", "against_ngspice")
+]
+ROWS = {
+    "exact": [("error", 1e-10, "at most", 1e-9, "holds"), ("other", 2e-9, "at most", 1e-9, "broken")],
+    "order": [("order", 4.8, "at least", 4.5, "holds"), ("power", 1.4, None, None, "told")],
+    "first_law": [
+        ("lead, cc_cv, edge", 1e-12, "at most", 1e-9, "holds"),
+        ("lead, cc_cv, averaged", 2e-6, "at most", 1e-6, "broken"),
+        ("mistake: lead, pair lost", 1e-2, "at least", 1e-6, "holds"),
+        ("mistake: lead, heat lost", 1e-9, "at least", 1e-6, "broken"),
+    ],
+    "against_pybamm": [("CC: voltage", 1e-9, "at most", 1e-6, "holds")],
+    "against_ngspice": [("CC: voltage", None, "at most", 1e-6, "not installed")],
+}
+
+
+@pytest.fixture
+def data(tmp_path: Path) -> ReportData:
+    inputs = {}
+    for name, rows in ROWS.items():
+        folder = tmp_path / name
+        folder.mkdir()
+        quantity, value, relation, bound, finding = (list(part) for part in zip(*rows, strict=True))
+        columns = {
+            "quantity": quantity, "value": value, "unit": ["1"] * len(rows), "relation": relation, "bound": bound,
+            "finding": finding, "note": [""] * len(rows),
+        }  # fmt: skip
+        tables.write(schemas_validation.VALIDATION_ROWS, columns, folder / "rows.parquet")
+        lines = 0 if name == "against_ngspice" else 2
+        points = np.logspace(-3, 0, 20)
+        curves = {
+            "group": ["length"] * 20 * lines, "series": ["edge"] * 20 * (lines // 2) + ["averaged"] * 20 * (lines // 2),
+            "across": ["time [s]"] * 20 * lines, "up": ["error [V]"] * 20 * lines,
+            "x": np.tile(points, lines), "y": np.tile(1e-3 * points**5, lines),
+        }  # fmt: skip
+        tables.write(schemas_validation.VALIDATION_CURVES, curves, folder / "curves.parquet")
+        inputs[f"validation/{name}"] = folder
+    return ReportData(inputs, {}, {})
+
+
+@pytest.mark.parametrize("name", sorted(cards("validation")))
+def test_a_figure_is_drawn_also_where_nothing_was_compared(name: str, data: ReportData, tmp_path: Path) -> None:
+    paths = draw(name, cards("validation")[name], data, tmp_path)
+    text = paths[0].read_text()
+    assert paths[1].stat().st_size > 2000
+    assert ("not installed here" in text) == (name == "against_ngspice")
+
+
+def test_sections_tell_what_is_broken_and_what_was_not_compared(data: ReportData) -> None:
+    overview, *sections = validation_sections(data, CHECKS, {"exact": ["figure"]})
+    assert overview.text == "5 bounds hold, 3 are broken; not installed here, so not compared: Against_Ngspice."
+    assert [section.name for section in sections] == list(ROWS)
+    exact = overview.tables[0].rows[0]
+    assert exact == ("Exact", 1, 1, 0, 0, pytest.approx(2.0), "other")
+    # The nearer to its bound, the larger: 4.5 of 4.8.
+    assert overview.tables[0].rows[1][5] == pytest.approx(4.5 / 4.8)
+    assert overview.tables[0].rows[4] == ("Against_Ngspice", 0, 0, 1, 0, None, None)
+    assert list(sections[0].figures) == ["figure"]
+
+
+def test_residuals_stand_battery_by_battery(data: ReportData) -> None:
+    law = validation_sections(data, CHECKS, {})[3]
+    grid, mistakes = law.tables
+    assert grid.rows == (("lead", "cc_cv", 1e-12, 2e-6, "broken"),)
+    assert [row[-1] for row in mistakes.rows] == ["caught", "missed"]
+
+
+def test_another_run_has_no_such_section(data: ReportData) -> None:
+    assert validation_sections(data, (), {}) == []
+
+
+def test_a_missed_goal_is_told_by_mode_and_comparison(tmp_path: Path) -> None:
+    for mode, said in (("slow", "SOC 0.99 not reached, SOC 0.5 at 8 h: 8 h time limit"), ("fast", None)):
+        names = ["end_time_s", "end_reason", *(["missed"] if said else [])]
+        summary = {
+            "quantity": names, "value": [1.0, None, None][: len(names)], "text": [None, "why", said][: len(names)],
+            "unit": ["s", "", ""][: len(names)], "description": names,
+        }  # fmt: skip
+        write(tmp_path / mode, "summary", summary)
+    inputs = {f"charge/peak/{mode}": tmp_path / mode for mode in ("slow", "fast")}
+    labels = {"slow": ModeLabel("Slow"), "fast": ModeLabel("Fast")}
+    told = missed(ReportData(inputs, labels, {"peak": "same peak"}))
+    assert told == ["Slow (same peak): SOC 0.99 not reached, SOC 0.5 at 8 h: 8 h time limit."]
