@@ -76,6 +76,7 @@ def _charge(study: Study, weather: str, mode: str) -> Draft:
                     "engine": study.engine,
                 }
             ),
+            "bus_capacitance_f": _bus_capacitance_f(study),
             "battery": {**plain(study.battery), "title": study.battery.name},
             "mode": {**plain(study.modes[mode]), "title": mode},
         },
@@ -86,6 +87,12 @@ def _charge(study: Study, weather: str, mode: str) -> Draft:
             for part in ("trace", "switching", "stages", "quantities")
         },
     )
+
+
+def _bus_capacitance_f(study: Study) -> float:
+    """Return the capacitance on the bus, that of the boost converter's output; 0 where its parts are not given."""
+    switched = None if study.converter is None else study.converter.switched
+    return 0.0 if switched is None else switched.boost.capacitance_f
 
 
 def chain_of_hours(chain: PowerChain) -> PowerChain:
@@ -102,5 +109,11 @@ def labels(study: Study) -> dict[str, Any]:
     """Return what a reader of days needs to name them; nothing where a study has none."""
     if study.day is None:
         return {}
-    weathers = {name: weather.title for name, weather in study.day.weathers.items()}
-    return {"title": study.day.title, "weathers": weathers, "load": study.day.load.title}
+    return {
+        "title": study.day.title,
+        "weathers": {name: weather.title for name, weather in study.day.weathers.items()},
+        "load": study.day.load.title,
+        "initial_soc": study.day.initial_soc,
+        "bus_capacitance_f": _bus_capacitance_f(study),
+        "bus_swing_share": study.day.bus_swing_share,
+    }

@@ -2,12 +2,16 @@
 
 from __future__ import annotations
 
+import os
+import subprocess
+import sys
 from functools import cache
 
 import pytest
 
 from pipeline.config.compose import compose_tree, options
 from pipeline.config.study import study_from
+from pipeline.digest import PROJECT
 from pipeline.errors import UserError
 from pipeline.phases import drafts
 
@@ -147,3 +151,13 @@ def test_the_charges_of_a_study_can_have_any_weather_too():
         "irradiance_w_m2": 1000.0,
         "cell_temperature_c": 25.0,
     }
+
+
+def test_records_import_nothing_heavy():
+    code = (
+        "import sys, pipeline.weather.records, pipeline.bus.records, pipeline.day.records\n"
+        "print([m for m in ('numba', 'scipy', 'pvlib', 'matplotlib', 'pandas', 'numpy') if m in sys.modules])"
+    )
+    environment = {**os.environ, "PYTHONPATH": str(PROJECT / "src")}
+    done = subprocess.run([sys.executable, "-c", code], env=environment, capture_output=True, text=True, check=True)
+    assert done.stdout.strip() == "[]"

@@ -11,6 +11,11 @@ from pipeline.day.legs import still_to_run
 from tests.charge.samples import BATTERIES, MODES, SUITED, battery, suited_mode
 from tests.day.samples import BATTERY, CONDITIONS, HOUR, day, mode, sun
 
+PULSES = {
+    "bulk": {"constant_voltage": {}, "until": {"elapsed_s": 1e-3}},
+    "pulse": {"pulse": {}, "limit": {"voltage_v": "voltage_v"}},
+}
+
 
 def changes(found):
     return [(change.after, change.reason) for change in found.changes]
@@ -78,6 +83,27 @@ def test_temperature_changes_the_mode_where_it_is_reached():
     rows, warm = found.trace["Test Time / s"], found.trace["Surface Temperature T1 / degC"]
     assert warm[rows <= at].max() <= 25.5
     assert warm[rows > at].min() > 25.49
+
+
+@pytest.mark.parametrize(("kept_j", "mean_w"), [(None, 9.0), (0.0, 9.0), (0.005, 9.0 + 0.005 * 90.0), (1.0, 10.0)])
+def test_the_bus_bridges_the_pauses_of_pulses(kept_j, mean_w):
+    """10 W of sun, pulses of 90 % at 90 Hz: a pause leaves 11 mJ, of which the bus keeps what it can."""
+    around = sun([10.0] * 12)
+    around = around if kept_j is None else around._replace(kept_j=np.full(12, kept_j))
+    found = day("cv_pulse", around, phases=PULSES)
+    rows = slice(2, 50)
+    power = np.diff(found.trace["Charging Energy / Wh"])[rows] * 3600.0 / np.diff(found.trace["Test Time / s"])[rows]
+    assert power == pytest.approx(mean_w, rel=3e-5)
+
+
+def test_course_by_course_is_the_same_sheet():
+    """With nothing kept, legs of a course each make the day that legs of all courses make."""
+    around = sun([30.0] * 4 + [0.5] * 3 + [30.0] * 20)
+    one, other = (day("cv_reflex_hourly", each) for each in (around, around._replace(kept_j=np.zeros(27))))
+    assert changes(one) == changes(other)
+    assert [change.time_s for change in other.changes] == pytest.approx([change.time_s for change in one.changes])
+    assert other.end_soc == pytest.approx(one.end_soc, rel=1e-6)
+    assert len(one.changes) == 6
 
 
 def test_without_sun_reflex_takes_nothing_out():

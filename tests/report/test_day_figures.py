@@ -65,7 +65,7 @@ def write(folder: Path, days: dict[str, str]) -> dict[str, Path]:
 
 @pytest.fixture
 def days(whole, tmp_path):
-    settings = {"day": {"title": "a day", "weathers": SKIES, "load": "a load"}}
+    settings = {"day": {"title": "a day", "weathers": SKIES, "load": "a load", "initial_soc": 0.2}}
     return replace(whole, inputs=whole.inputs | write(tmp_path / "days", SKIES), settings=whole.settings | settings)
 
 
@@ -108,7 +108,7 @@ def test_the_sentences_are_computed(days):
     found = day_tables.text(days)
     assert "CC-CV is done at 12:00" in found
     assert "CV-Reflex reaches 50.0 % by last light" in found
-    assert "40 % of what the panel could give" in found
+    assert "40 % of it is stored, and for 25 % there is no use" in found
 
 
 @pytest.mark.parametrize(("seconds", "text"), [(0.0, "00:00:00"), (86399.6, "00:00:00"), (45296.0, "12:34:56")])

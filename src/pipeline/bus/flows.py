@@ -98,6 +98,20 @@ def flows(
     return Flows(drawn, could.tracked_w - drawn, bus, buck, charge, discharge)
 
 
+def kept_by_bus_j(capacitance_f: float, swing_share: float, could: Available, chain: PowerChain) -> Array:
+    """Return the energy that a swing of the bus about its voltage brings to the battery's terminals [J], shape (n,).
+
+    Arguments
+    ---------
+    capacitance_f : capacitance on the bus [F].
+    swing_share : swing from peak to peak over the voltage [1].
+    could, chain : powers and converters, for the efficiency on the way.
+    """
+    left = could.bus_w - could.served_w
+    efficiency = np.divide(could.battery_w, left, out=np.zeros_like(left), where=left > 0.0)
+    return capacitance_f * chain.bus_voltage_v**2 * swing_share * efficiency
+
+
 def _boost_input_w(bus_w: Array, could: Available, chain: PowerChain, panel_voltage_v: ArrayLike) -> Array:
     """Return what the boost converter draws for a power onto the bus, by iteration on its losses [W], shape (n,)."""
     if isinstance(chain.boost, Converter):

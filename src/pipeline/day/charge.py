@@ -21,12 +21,12 @@ from pipeline.charge.controller import compile_control
 from pipeline.charge.energy import balance
 from pipeline.charge.period import TICK, new_clock
 from pipeline.charge.program import compile_program
-from pipeline.charge.protocol import resolve
+from pipeline.charge.protocol import Course, resolve
 from pipeline.charge.record_keeping import CHARGE_IN, CHARGE_OUT, SUPPLY_LIMITED_S, VOLTAGE_LIMITED_S
 from pipeline.charge.records import ChargeSettings, EngineSettings, Mode
 from pipeline.charge.simulate import Outcome, Supply, launch, new_book, trace
 from pipeline.charge.state import DEPTH, HYSTERESIS, TEMPERATURE, new_run
-from pipeline.day.legs import Log, Place, pause, still_to_run
+from pipeline.day.legs import Log, Place, pause, shares, still_to_run
 from pipeline.day.records import DayConditions
 from pipeline.errors import EngineError
 
@@ -41,12 +41,14 @@ class Surroundings(NamedTuple):
     time_s, power_w : power at the battery's terminals, constant from each time to the next, shape (n,).
     ambient_c : temperature of the air in the same rows, shape (n,).
     end_s : end of the day [s].
+    kept_j : energy at the battery's terminals that the bus can keep while a pulse pauses, shape (n,); none where not.
     """
 
     time_s: Array
     power_w: Array
     ambient_c: Array
     end_s: float
+    kept_j: Array | None = None
 
 
 @dataclass(frozen=True)
@@ -71,7 +73,11 @@ class DayCharge:
 
 
 def charge_over_day(
-    battery: Battery, mode: Mode, day: Surroundings, conditions: DayConditions, engine: EngineSettings
+    battery: Battery,
+    mode: Mode,
+    day: Surroundings,
+    conditions: DayConditions,
+    engine: EngineSettings,
 ) -> DayCharge:
     """Charge a battery over a day.
 
@@ -103,7 +109,8 @@ def charge_over_day(
     rows = math.ceil(day.end_s / interval_s) + 2 * len(cuts) + len(sheet.courses) + 4
     book = new_book(rows, rows, 0, np.zeros((0, 3)), np.zeros((0, 2)))
     book.peak_k[0] = start[TEMPERATURE]
-    clock, supply = new_clock(interval_s), Supply(day.time_s, day.power_w)
+    clock = new_clock(interval_s)
+    alone = day.kept_j is not None and any(shares(course)[2] > 0.0 for course in sheet.courses)
     place, log = Place(), Log(conditions.switching)
     outcome = Outcome(cell, sheet, run, book, start, 0.0)
     for begin_s, until_s in pairwise(cuts):
@@ -111,10 +118,11 @@ def charge_over_day(
         ambient_k = next(kelvin for at_s, kelvin in reversed(air) if at_s <= begin_s)
         while clock["time_s"] < until_s - TICK:
             charging = shines and not place.over
-            leg = still_to_run(sheet, place, until_s) if charging else pause(until_s)
+            leg = still_to_run(sheet, place, until_s, alone) if charging else pause(until_s)
             begun, from_s = int(book.filled[1]), float(clock["time_s"])
             program = compile_program(leg, battery.cells_in_series, engine.driver)
             control = compile_control(leg, battery.capacity_in_use_ah)
+            supply = Supply(day.time_s, _lent(day, leg.courses[0]))
             if launch(cell, program, control, supply, run, book, clock, ambient_k, engine) != drive.DONE:
                 raise EngineError(
                     f"the engine gave up at {clock['time_s']:.9g} s of the day, in a leg from {from_s:.9g} s"
@@ -138,6 +146,15 @@ def charge_over_day(
         end_soc=1.0 - float(run["state"][DEPTH]),
         steps=int(run["steps"]),
     )
+
+
+def _lent(day: Surroundings, course: Course) -> Array:
+    """Return the power of the supply during a pulse: that of the sun, and what the bus has kept of the pause before."""
+    charging, _, pulses_hz = shares(course)
+    if day.kept_j is None or pulses_hz == 0.0 or charging == 0.0:
+        return day.power_w
+    kept_j = np.minimum(day.power_w * (1.0 - charging) / pulses_hz, day.kept_j)
+    return day.power_w + kept_j * pulses_hz / charging
 
 
 def _air(day: Surroundings, step_s: float) -> list[tuple[float, float]]:

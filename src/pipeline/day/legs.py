@@ -9,7 +9,7 @@ from pipeline.bus.records import Switching
 from pipeline.bus.switches import ENDED, MODE_1, MODE_2, OFF, Change, closed
 from pipeline.charge.ending import reason
 from pipeline.charge.protocol import Course, Protocol
-from pipeline.charge.segment import ELAPSED, LIMITS
+from pipeline.charge.segment import EDGE, ELAPSED, LIMITS
 from pipeline.charge.simulate import Outcome
 from pipeline.charge.waveforms import Rest
 
@@ -21,18 +21,24 @@ _DAWN = "first light"
 
 @dataclass
 class Place:
-    """Where in its sheet a charge stands: the course, the time spent in the course's phase, why it is over."""
+    """Where in its sheet a charge stands: the course, the time spent in the course's phase, why it is there or over."""
 
     course: int = 0
     used_s: float = 0.0
+    why: str = ""
     over: str = ""
 
 
-def still_to_run(sheet: Protocol, place: Place, until_s: float) -> Protocol:
-    """Return the sheet from a place on, cut at a time of the day; time spent in a phase before counts."""
+def still_to_run(sheet: Protocol, place: Place, until_s: float, alone: bool = False) -> Protocol:
+    """Return the sheet from a place on, cut at a time of the day; time spent in a phase before counts.
+
+    Arguments
+    ---------
+    alone : return the course at the place alone.
+    """
     group = sheet.courses[place.course].group
     courses = []
-    for course in sheet.courses[place.course :]:
+    for course in sheet.courses[place.course : place.course + 1 if alone else None]:
         until = dict(course.until)
         if course.group == group and "elapsed_s" in until:
             until["elapsed_s"] = max(0.0, until["elapsed_s"] - place.used_s)
@@ -58,7 +64,7 @@ class Log:
         before = self.changes[-1].after if self.changes else OFF
         if state == before and self.changes:
             return
-        charge, discharge, hertz = _shares(course)
+        charge, discharge, hertz = shares(course)
         self.changes.append(Change(time_s, before, state, why, closed(state, charge, discharge), hertz))
 
     def paused(self, time_s: float, over: str) -> None:
@@ -79,11 +85,11 @@ class Log:
         begun : rows in the book before the leg.
         """
         rows = outcome.book.phases[begun : outcome.book.filled[1]]
-        first, used_s = place.course, place.used_s
-        why = _SURPLUS.format(self.switching.start_power_w)
+        first = place.course
+        why = place.why or _SURPLUS.format(self.switching.start_power_w)
         # A phase is said to end after the time its sheet gives it, not after what a pause left of that.
         asked = replace(outcome, protocol=Protocol(sheet.courses[first:], outcome.protocol.stop))
-        group, spent_s = sheet.courses[first].group, used_s
+        group, spent_s = sheet.courses[first].group, place.used_s
         for number, row in enumerate(rows):
             course = sheet.courses[first + int(row[7])]
             if course.group != group:
@@ -91,18 +97,26 @@ class Log:
             length_s = float(row[2] - row[1])
             spent_s += length_s
             if length_s > 0.0:
-                self.charging_s += length_s * _shares(course)[0]
+                self.charging_s += length_s * shares(course)[0]
                 self.enter(float(row[1]), MODE_2 if course.waveform.periodic else MODE_1, why, course)
             why = reason(asked, begun + number)
             place.course, place.used_s = first + int(row[7]), spent_s
         code = int(rows[-1][3])
-        cut = code == LIMITS + ELAPSED
-        place.over = "" if cut else why
-        if not cut:
+        place.why = ""
+        if code == LIMITS + ELAPSED:
+            return
+        following = place.course + 1
+        while code != EDGE and following < len(sheet.courses) and sheet.courses[following].group == group:
+            following += 1
+        if LIMITS <= code < EDGE or following == len(sheet.courses):
+            place.over = why
             self.enter(outcome.end_s, ENDED, why)
+            return
+        place.why, place.course = why, following
+        place.used_s = spent_s if sheet.courses[following].group == group else 0.0
 
 
-def _shares(course: Course | None) -> tuple[float, float, float]:
+def shares(course: Course | None) -> tuple[float, float, float]:
     """Return the shares of charging and discharging of a course's period, and its frequency [Hz]; 0 without pulses."""
     if course is None or not course.waveform.periodic:
         return 1.0, 0.0, 0.0

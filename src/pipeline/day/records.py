@@ -19,6 +19,12 @@ class DayConditions(Record):
     ambient_step_s: float = Field(
         default=1800.0, gt=0, description="steps in which the air around the battery warms and cools [s]"
     )
+    bus_swing_share: float = Field(
+        default=0.0,
+        ge=0,
+        lt=1,
+        description="swing of the bus voltage that may bridge the pauses of pulses, over it [1]",
+    )
     longest_h: float = Field(default=24.0, gt=0, le=8760, description="end of a day whose weather does not end [h]")
 
 

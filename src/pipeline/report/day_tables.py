@@ -103,7 +103,12 @@ def clock(seconds: float) -> str:
 
 def text(data: ReportData) -> str:
     """Return what the days come to in sentences, every number of which was computed."""
-    sentences = []
+    settings = data.settings["day"]
+    sentences = [
+        f"Not in the paper: {settings['title']} under {len(weathers(data))} skies, from "
+        f"{100.0 * settings['initial_soc']:g} % charged at first light to last light. What the panel could give at its "
+        "efficiency of standard conditions is followed to the battery."
+    ]
     for name, title in weathers(data).items():
         sky, modes = data.numbers(f"weather/{name}"), charged(data, name)
         found = {mode: data.numbers(f"day/{name}/{mode}") for mode in modes}
@@ -113,8 +118,7 @@ def text(data: ReportData) -> str:
         unused = 100.0 * first["curtailed_wh"] / first["sun_wh"] if first["sun_wh"] else 0.0
         sentences.append(
             f"{title.capitalize()} day, {sky['irradiation_kwh_m2']:.2f} kWh/m²: {'; '.join(parts)}. With "
-            f"{data.modes[modes[0]].title}, {share:.0f} % of what the panel could give at its standard efficiency is "
-            f"stored, and for {unused:.0f} % there is no use."
+            f"{data.modes[modes[0]].title}, {share:.0f} % of it is stored, and for {unused:.0f} % there is no use."
         )
         if sky.get("gaps"):
             sentences.append(
@@ -122,9 +126,22 @@ def text(data: ReportData) -> str:
             )
     sentences.append(
         "The load is served first, and nothing leads from the battery back to the bus: what the sun does not give the "
-        "load, it does not get. The bus is taken to store nothing, so that sun is also unused while a pulse pauses."
+        "load, it does not get."
     )
+    sentences.append(_bus(data))
     return " ".join(sentences)
+
+
+def _bus(data: ReportData) -> str:
+    """Say what becomes of the sun while a pulse pauses."""
+    settings = data.settings["day"]
+    farad, swing = settings.get("bus_capacitance_f", 0.0), settings.get("bus_swing_share", 0.0)
+    if not farad * swing:
+        return "The bus is taken to store nothing, so that sun is unused while a pulse pauses."
+    return (
+        f"While a pulse pauses, the {1e6 * farad:.0f} µF on the bus keep what a swing of its voltage by "
+        f"{100.0 * swing:g} % can take, for the next pulse."
+    )
 
 
 def _fate(title: str, found: Mapping[str, float]) -> str:

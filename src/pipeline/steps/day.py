@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from pipeline import quantity, schemas, schemas_day, tables
-from pipeline.bus.flows import Available
+from pipeline.bus.flows import Available, kept_by_bus_j
 from pipeline.cell.records import Battery
 from pipeline.charge.records import EngineSettings, Mode
 from pipeline.converter.records import PowerChain
@@ -25,13 +25,14 @@ def run(settings: Mapping[str, Any], inputs: Mapping[str, Path], output: Path) -
         **{name: rows[name] for name in Sunlight._fields if name != "could"},
         could=Available(*(rows[name] for name in Available._fields)),
     )
+    end_s = float(light.time_s[-1] + light.interval_s[-1])
+    conditions = DayConditions.model_validate(settings["conditions"])
+    kept_j = kept_by_bus_j(float(settings["bus_capacitance_f"]), conditions.bus_swing_share, light.could, chain)
     charge = charge_over_day(
         Battery.model_validate(settings["battery"]),
         Mode.model_validate(settings["mode"]),
-        Surroundings(
-            light.time_s, light.could.battery_w, light.ambient_c, float(light.time_s[-1] + light.interval_s[-1])
-        ),
-        DayConditions.model_validate(settings["conditions"]),
+        Surroundings(light.time_s, light.could.battery_w, light.ambient_c, end_s, kept_j),
+        conditions,
         EngineSettings.model_validate(settings["engine"]),
     )
     clock_s = float(rows["clock_s"][0])
