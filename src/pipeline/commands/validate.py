@@ -63,7 +63,7 @@ def _print(found: Mapping[str, Sequence[Mapping[str, Any]]], all_rows: bool) -> 
     for name, rows in found.items():
         for row in rows:
             if all_rows or row["finding"] in (BROKEN, NOT_INSTALLED):
-                value = "" if row["value"] is None else f"{row['value']:.3g} {row['unit']}".removesuffix(" 1")
+                value = f"{row['value']:.3g} {row['unit']}".removesuffix(" 1") if row["value"] == row["value"] else ""
                 bound = "" if row["relation"] is None else f"{row['relation']} {row['bound']:g}"
                 table.add_row(CHECKS[name].title, row["quantity"], value, bound, row["finding"])
     console = Console()
