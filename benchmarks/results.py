@@ -146,8 +146,15 @@ def table(names: Iterable[str], asked_only: bool = False) -> str:
         "| work | peer | ours | peer | median ratio (range) | of processor time | asked | errors, ours and peer's | |",
         "|---" * 9 + "|",
     ]
+    loads, machines = [], set()
     for name in names:
-        lines += [_line(row) for row in read(name) if row["ratio_asked"] or not asked_only]
+        for row in read(name):
+            loads.append(row["machine"]["load"][0])
+            machines.add(f"{row['machine']['processor']}, {row['machine']['cores']} cores")
+            if row["ratio_asked"] or not asked_only or row["name"].endswith("whole process"):
+                lines.append(_line(row))
+    if loads:
+        lines += ["", f"Measured on {' and '.join(sorted(machines))}, with a load of {min(loads):g} to {max(loads):g}."]
     return "\n".join(lines)
 
 
