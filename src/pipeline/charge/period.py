@@ -14,7 +14,15 @@ from numpy.typing import NDArray
 from pipeline.cell.circuit import Cell
 from pipeline.charge.plain import cross, is_plain
 from pipeline.charge.program import Program
-from pipeline.charge.record_keeping import Book, add_step, meets_window, note_marks, take_sample, write_windows
+from pipeline.charge.record_keeping import (
+    Book,
+    add_step,
+    meets_window,
+    note_marks,
+    passes_mark,
+    take_sample,
+    write_windows,
+)
 from pipeline.charge.segment import (
     EDGE,
     ELAPSED,
@@ -31,7 +39,7 @@ from pipeline.charge.segment import (
     continue_moment,
     guard_at_start,
 )
-from pipeline.charge.state import Run
+from pipeline.charge.state import DEPTH, Run
 from pipeline.charge.watching import look_at_start, peak_until, renew_peak
 from pipeline.jit import kernel
 
@@ -166,7 +174,8 @@ def run_periods(
                 if run.steps > maximum_steps:
                     clock.time_s = time_s
                     return EXHAUSTED
-                note_marks(cell, run, book, time_s, taken_s)
+                if passes_mark(book, run.end[DEPTH]):
+                    note_marks(cell, run, book, time_s, taken_s)
                 if len(book.windows) > 0:
                     write_windows(cell, run, book, time_s, taken_s, length_s)
                 add_step(cell, run, book, taken_s)

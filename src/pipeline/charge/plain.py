@@ -41,7 +41,7 @@ def is_plain(cell: Cell) -> bool:
     return bool(cell.side + cell.transfer + cell.hysteresis + cell.acceptance + cell.thermoneutral == 0)
 
 
-@kernel
+@inlined
 def cross(
     cell: Cell, run: Run, book: Book, demand: Demand, limits: NDArray[np.float64], ambient_k: float, length_s: float
 ) -> bool:
