@@ -16,7 +16,7 @@ from tests.report.conftest import cards, write
 
 CHECKS = [
     {"name": name, "title": name.title(), "text": "Text."}
-    for name in ("exact", "order", "first_law", "against_pybamm", "against_ngspice")
+    for name in ("exact", "order", "first_law", "against_pybamm", "against_ngspice", "panel_checks")
 ]
 ROWS = {
     "exact": [("error", 1e-10, "at most", 1e-9, "holds"), ("other", 2e-9, "at most", 1e-9, "broken")],
@@ -29,6 +29,7 @@ ROWS = {
     ],
     "against_pybamm": [("CC: voltage", 1e-9, "at most", 1e-6, "holds")],
     "against_ngspice": [("CC: voltage", None, "at most", 1e-6, "not installed")],
+    "panel_checks": [("maximum power", 1e-11, "at most", 1e-6, "holds")],
 }
 
 
@@ -66,7 +67,7 @@ def test_a_figure_is_drawn_also_where_nothing_was_compared(name: str, data: Repo
 
 def test_sections_tell_what_is_broken_and_what_was_not_compared(data: ReportData) -> None:
     overview, *sections = validation_sections(data, CHECKS, {"exact": ["figure"]})
-    assert overview.text == "5 bounds hold, 3 are broken; not installed here, so not compared: Against_Ngspice."
+    assert overview.text == "6 bounds hold, 3 are broken; not installed here, so not compared: Against_Ngspice."
     assert [section.name for section in sections] == list(ROWS)
     exact = overview.tables[0].rows[0]
     assert exact == ("Exact", 1, 1, 0, 0, pytest.approx(2.0), "other")
