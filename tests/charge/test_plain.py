@@ -9,6 +9,7 @@ import pytest
 from pipeline.cell.records import Battery
 from pipeline.charge.records import Mode
 from pipeline.charge.simulate import BENCH, Supply, run
+from pipeline.errors import EngineError
 from tests.charge.samples import ENGINE, load, values
 from tests.charge.samples import charge as charged
 from tests.charge.samples import settings as settings_of
@@ -136,3 +137,9 @@ def test_marks_are_noted_where_the_steps_note_them():
         noted.append(outcome.book.marks)
     assert np.isfinite(noted[0]).all()
     assert noted[0] == pytest.approx(noted[1], abs=1e-6)
+
+
+def test_the_most_steps_hold_for_it_too():
+    cell = CELLS["lead_acid"]
+    with pytest.raises(EngineError, match=r"the steps are used up at .* after 101 steps"):
+        charged(cell, reflex(cell), settings(0.4), engine=ENGINE.model_copy(update={"maximum_steps": 100}))

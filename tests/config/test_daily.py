@@ -99,6 +99,12 @@ def test_what_a_change_touches(word, changed):
     [
         (["day.weathers.clear.linke_turbidity=0.5"], r"linke_turbidity: .*greater than or equal to 1"),
         (["day.weathers.clear.date=2015-02-30"], r"date is '2015-02-30'; it must be a day as YYYY-MM-DD"),
+        (["day.weathers.clear.date=2015-W12-5"], r"date is '2015-W12-5'; it must be a day as YYYY-MM-DD"),
+        (
+            ["day.weathers.clear.place.longitude_deg=-100"],
+            r"utc_offset_h is 8 h at longitude_deg -100, .* allowed are 4 h",
+        ),
+        (["+modes.cc_cv.stop.voltage_drop_v=0.02"], r"modes\.cc_cv\.stop\.voltage_drop_v: .*out of day\.modes"),
         (["day.weathers.clear.place.latitude_deg=95"], r"place\.latitude_deg: .*less than or equal to 90"),
         (["day.weathers.clear.interval_s=7"], r"interval_s is 7 s; it must divide a day"),
         (["day.weathers.half_cloudy.clouds.transmittance=0.9"], r"transmittance x \(1 \+ spread\) is 1.26"),

@@ -11,17 +11,20 @@ from pipeline.day.sunlight import Sunlight
 from tests.bus.test_bus import CHAIN
 from tests.day.samples import day
 
-INTERVAL_S = 300.0
+DAY_S = 28800.0
 
 
-@pytest.fixture(scope="module", params=["cc_cv", "cv_reflex"])
+# The second sun changes between the samples.
+@pytest.fixture(scope="module", params=[("cc_cv", 300.0), ("cv_reflex", 300.0), ("cc_cv", 45.0)])
 def found(request):
     """A bright morning with a cloud in it; full before noon."""
-    panel_w = 60.0 * np.sin(np.pi * np.arange(96) / 96) * np.where(np.arange(96) % 7 == 3, 0.3, 1.0)
-    time_s, rows = INTERVAL_S * np.arange(96.0), np.ones(96)
+    mode, interval_s = request.param
+    count = round(DAY_S / interval_s)
+    time_s, rows = interval_s * np.arange(count), np.ones(count)
+    panel_w = 60.0 * np.sin(np.pi * time_s / DAY_S) * np.where(time_s // 300.0 % 7 == 3, 0.3, 1.0)
     could = available(panel_w, 0.98 * panel_w, 5.0, CHAIN)
-    light = Sunlight(time_s, INTERVAL_S * rows, 10 * panel_w, 20 * rows, 30 * rows, 1.1 * panel_w, 17 * rows, could)
-    charge = day(request.param, Surroundings(time_s, could.battery_w, 20.0 * rows, 96 * INTERVAL_S))
+    light = Sunlight(time_s, interval_s * rows, 10 * panel_w, 20 * rows, 30 * rows, 1.1 * panel_w, 17 * rows, could)
+    charge = day(mode, Surroundings(time_s, could.battery_w, 20.0 * rows, DAY_S))
     trace = columns.trace(charge, light, CHAIN, 6 * 3600.0)
     return charge, light, trace, columns.stages(trace, charge)
 
@@ -56,7 +59,7 @@ def test_when_full_all_but_the_load_is_curtailed(found):
 def test_the_stages_add_up_and_agree_with_the_sun_and_the_battery(found):
     charge, light, _, parts = found
     energy = {part.stage: part.energy_j for part in parts}
-    assert energy["sun"] == pytest.approx(float(np.sum(light.reference_w) * INTERVAL_S), rel=1e-12)
+    assert energy["sun"] == pytest.approx(float(np.sum(light.reference_w * light.interval_s)), rel=1e-12)
     assert sum(part.energy_j for part in parts[1:]) == pytest.approx(energy["sun"], rel=1e-12)
     of_path = dict(zip(charge.energy["path"], charge.energy["energy_j"], strict=True))
     heat = sum(

@@ -97,8 +97,8 @@ def test_the_tables_hold_every_day_and_mode(days, whole):
     assert found.header == ("day", "quantity", "CC-CV", "CV-pulse", "CV-Reflex")
     by_name = {(row[0], row[1]): row[2:] for row in found.rows}
     assert by_name["clear", "stored in the battery / Wh"] == (80.0, 79.0, 78.0)
-    assert by_name["clear", "charged at / h, local time"] == (12.0, 12.0, 12.0)
-    assert by_name["overcast", "charged at / h, local time"] == (None, None, None)
+    assert by_name["clear", "ended at / h, local time"] == (12.0, 12.0, 12.0)
+    assert by_name["overcast", "ended at / h, local time"] == (None, None, None)
     changes = day_tables.switchings(days)
     assert len(changes.rows) == 2 * 3 * 4
     assert changes.rows[2][2:] == ("09:30:00", "Mode 2", "elapsed 3600 s", "100 %", "100 %", "5 %", 90.0)
@@ -106,7 +106,7 @@ def test_the_tables_hold_every_day_and_mode(days, whole):
 
 def test_the_sentences_are_computed(days):
     found = day_tables.text(days)
-    assert "CC-CV is done at 12:00" in found
+    assert "CC-CV ends at 12:00 (stop: soc 0.99)" in found
     assert "CV-Reflex reaches 50.0 % by last light" in found
     assert "40 % of it is stored, and for 25 % there is no use" in found
 

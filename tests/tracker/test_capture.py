@@ -132,6 +132,7 @@ def test_more_panels_scale_with_a_converter_made_for_them(source):
         ([0.0, 1.0, 2.0], [1.0, -2.0, 3.0], "irradiance_w_m2: value -2"),
         ([0.0, 1.0, 2.0], [1.0, np.nan, 3.0], "irradiance_w_m2"),
         ([0.0, np.nan, 2.0], 500.0, "time_s: row 1"),
+        ([], 500.0, "time_s: no rows"),
     ],
 )
 def test_weather_that_cannot_be_is_refused(source, time, light, message):

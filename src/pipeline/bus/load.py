@@ -39,7 +39,9 @@ def drawn(load: LoadProfile, from_s: float, until_s: float, measured: Drawn | No
     elif measured is None:
         raise ValueError(f"load {load.title!r} needs the rows of its file, {load.file}")
     else:
-        found = measured
+        # As the weather, a file begins within its first day.
+        first_day_s = np.floor(measured.clock_s[0] / _DAY_S) * _DAY_S
+        found = Drawn(measured.clock_s - first_day_s, measured.power_w)
     first = max(0, int(np.searchsorted(found.clock_s, from_s, side="right")) - 1)
     last = max(first + 1, int(np.searchsorted(found.clock_s, until_s, side="left")))
     clock_s = found.clock_s[first:last].copy()

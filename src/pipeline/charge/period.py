@@ -142,6 +142,9 @@ def run_periods(
                 ):
                     run.steps += 1
                     time_s, remaining_s = segment_start_s + length_s, 0.0
+                    if run.steps > maximum_steps:
+                        clock.time_s = time_s
+                        return EXHAUSTED
                     continue
                 if fresh:
                     if not choose_control(cell, run, demand):

@@ -55,7 +55,7 @@ def _parser() -> argparse.ArgumentParser:
     available = "\n".join(f"  {group:<12} {', '.join(options(group))}" for group in groups())
     parser = argparse.ArgumentParser(
         prog="python -m pipeline",
-        description="Battery charging studies. Other words: compare, report, store (each has --help).",
+        description="Battery charging studies. Other words: compare, report, store, validate (each has --help).",
         epilog=f"{EXAMPLES}\nconfiguration groups (group=option):\n{available}",
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
@@ -65,7 +65,7 @@ def _parser() -> argparse.ArgumentParser:
     parser.add_argument("-n", "--dry-run", action="store_true", help="show what would run")
     parser.add_argument("-F", "--force", action="store_true", help="compute everything again and compare")
     parser.add_argument(
-        "-t", "--target", default="all", help="all, panel, tuning, search, charges, figures, report, or a study"
+        "-t", "--target", default="all", help="all, panel, tuning, search, day, charges, figures, report; staging, network"
     )
     parser.add_argument("--cfg", action="store_true", help="print the composed configuration and stop")
     return parser

@@ -23,7 +23,7 @@ def check(panel_power_w: float, panel_voltage_v: float, chain: PowerChain, load:
     if chain.bus_voltage_v <= panel_voltage_v:
         raise UserError(
             f"converter.bus_voltage_v is {chain.bus_voltage_v:g} V; a boost converter needs a bus above the panel's "
-            f"voltage at maximum power, {panel_voltage_v:g} V"
+            f"voltage at maximum power, {panel_voltage_v:g} V; raise it, or put fewer panels in series"
         )
     bus_w = panel_power_w * chain.tracker_efficiency * _most(chain.boost)
     if load.power_w >= bus_w:

@@ -26,6 +26,7 @@ from pipeline.charge.record_keeping import CHARGE_IN, CHARGE_OUT, SUPPLY_LIMITED
 from pipeline.charge.records import ChargeSettings, EngineSettings, Mode
 from pipeline.charge.simulate import Outcome, Supply, launch, new_book, trace
 from pipeline.charge.state import DEPTH, HYSTERESIS, TEMPERATURE, new_run
+from pipeline.day import checks
 from pipeline.day.legs import Log, Place, pause, shares, still_to_run
 from pipeline.day.records import DayConditions
 from pipeline.errors import EngineError
@@ -82,7 +83,8 @@ def charge_over_day(
     """Charge a battery over a day.
 
     The charger draws while the surplus lets it. A pause stops the clock of a phase: what the sheet asks to last an hour
-    lasts an hour of charging. A charge that its sheet has ended stays ended.
+    lasts an hour of charging. A charge that its sheet has ended stays ended; in place of the sheet's time limit stands
+    the end of the day.
 
     Arguments
     ---------
@@ -91,11 +93,12 @@ def charge_over_day(
 
     Raises
     ------
-    UserError : the mode does not fit the battery.
+    UserError : the mode does not fit the battery, or not a day.
     EngineError : steps exhausted or a state without a solution.
     """
     air, interval_s = _air(day, conditions.ambient_step_s), conditions.sample_interval_s
     first_c = air[0][1] - ZERO_CELSIUS_K
+    checks.check(mode)
     check(battery, mode, ChargeSettings(initial_soc=conditions.initial_soc, ambient_c=first_c))
     cell = compile_cell(battery)
     sheet = resolve(mode, battery.capacity_in_use_ah, battery.fills)

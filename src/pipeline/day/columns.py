@@ -7,7 +7,6 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from pipeline.bus.flows import Available, flows
-from pipeline.bus.load import held
 from pipeline.bus.switches import state_at
 from pipeline.converter.records import PowerChain
 from pipeline.day.charge import DayCharge
@@ -36,25 +35,30 @@ def trace(charge: DayCharge, sun: Sunlight, chain: PowerChain, clock_s: float) -
     def mean_w(name: str) -> Any:
         return np.diff(engine[name], prepend=0.0) * _JOULE_PER_WH / interval_s
 
-    rows = held(sun.time_s, np.arange(len(sun.time_s), dtype=float), 0.5 * (start_s + end_s)).astype(int)
-    could = Available(*(part[rows] for part in sun.could))
+    edges_s = np.append(sun.time_s, sun.time_s[-1] + sun.interval_s[-1])
+
+    def mean(of: Any) -> Any:
+        passed = np.append(0.0, np.cumsum(of * sun.interval_s))
+        return (np.interp(end_s, edges_s, passed) - np.interp(start_s, edges_s, passed)) / interval_s
+
+    could = Available(*(mean(part) for part in sun.could))
     discharge_w = mean_w("Discharging Energy / Wh")
     did = flows(
         mean_w("Charging Energy / Wh"),
         np.where(discharge_w > _ROUNDING_W, discharge_w, 0.0),
         could,
         chain,
-        sun.panel_voltage_v[rows],
+        mean(sun.panel_voltage_v),
     )
     return {
         "time_s": end_s,
         "clock_s": end_s + clock_s,
         "interval_s": interval_s,
         "state": state_at(charge.changes, 0.5 * (start_s + end_s)),
-        "irradiance_w_m2": sun.irradiance_w_m2[rows],
-        "cell_temperature_c": sun.cell_temperature_c[rows],
-        "ambient_c": sun.ambient_c[rows],
-        "reference_w": sun.reference_w[rows],
+        "irradiance_w_m2": mean(sun.irradiance_w_m2),
+        "cell_temperature_c": mean(sun.cell_temperature_c),
+        "ambient_c": mean(sun.ambient_c),
+        "reference_w": mean(sun.reference_w),
         "panel_w": could.panel_w,
         "tracked_w": could.tracked_w,
         "drawn_w": did.drawn_w,

@@ -30,7 +30,9 @@ class Place:
 
 
 def still_to_run(sheet: Protocol, place: Place, until_s: float, alone: bool = False) -> Protocol:
-    """Return the sheet from a place on, cut at a time of the day; time spent in a phase before counts.
+    """Return the sheet from a place on, cut at a time of the day in place of its own time limit.
+
+    Time spent in a phase before counts.
 
     Arguments
     ---------

@@ -22,7 +22,7 @@ _ROWS = (
     ("stored_wh", "stored in the battery / Wh", 1.0),
     ("unserved_wh", "asked for by the load, not given / Wh", 1.0),
     ("end_soc", "state of charge at last light", 1.0),
-    ("ended_clock_s", "charged at / h, local time", _HOUR_S),
+    ("ended_clock_s", "ended at / h, local time", _HOUR_S),
     ("charging_s", "time charging, pauses of pulses left out / h", _HOUR_S),
     ("current_limited_s", "of it at the current limit / h", _HOUR_S),
     ("voltage_limited_s", "of it at the voltage limit / h", _HOUR_S),
@@ -59,7 +59,8 @@ def numbers(data: ReportData) -> ReportTable:
     return ReportTable(
         "days",
         "The days in numbers",
-        "The parts of the light at the panel's standard efficiency add up to it. Empty: not charged by last light.",
+        "The parts of the light at the panel's standard efficiency add up to it. Empty: not ended by last light, which "
+        "stands in place of a mode's time limit.",
         ("day", "quantity", *(data.modes[mode].title for mode in modes)),
         tuple(rows),
         grouped=True,
@@ -112,12 +113,12 @@ def text(data: ReportData) -> str:
     for name, title in weathers(data).items():
         sky, modes = data.numbers(f"weather/{name}"), charged(data, name)
         found = {mode: data.numbers(f"day/{name}/{mode}") for mode in modes}
-        parts = [_fate(data.modes[mode].title, found[mode]) for mode in modes]
+        parts = [_fate(data, name, mode, found[mode]) for mode in modes]
         first = found[modes[0]]
         share = 100.0 * first["stored_wh"] / first["sun_wh"] if first["sun_wh"] else 0.0
         unused = 100.0 * first["curtailed_wh"] / first["sun_wh"] if first["sun_wh"] else 0.0
         sentences.append(
-            f"{title.capitalize()} day, {sky['irradiation_kwh_m2']:.2f} kWh/m²: {'; '.join(parts)}. With "
+            f"{title[:1].upper() + title[1:]} day, {sky['irradiation_kwh_m2']:.2f} kWh/m²: {'; '.join(parts)}. With "
             f"{data.modes[modes[0]].title}, {share:.0f} % of it is stored, and for {unused:.0f} % there is no use."
         )
         if sky.get("gaps"):
@@ -144,7 +145,10 @@ def _bus(data: ReportData) -> str:
     )
 
 
-def _fate(title: str, found: Mapping[str, float]) -> str:
+def _fate(data: ReportData, weather: str, mode: str, found: Mapping[str, float]) -> str:
+    title = data.modes[mode].title
     if "ended_clock_s" in found:
-        return f"{title} is done at {clock(found['ended_clock_s'])[:5]}"
+        changes = data.table(f"day/{weather}/{mode}", "day_switching")
+        why = next(str(r) for r, to in zip(changes["reason"], changes["after"], strict=True) if str(to) == "ended")
+        return f"{title} ends at {clock(found['ended_clock_s'])[:5]} ({why})"
     return f"{title} reaches {100.0 * found['end_soc']:.1f} % by last light"

@@ -163,5 +163,10 @@ def tracking_text(data: ReportData) -> str:
         )
     if free:
         ending = f"{min(share[name] for name in names if share[name] >= 95.0):.1f} %"
-        text.append(f"{', '.join(free).capitalize()} reaches at least {ending} on every one.")
+        text.append(f"{_sentence(', '.join(free))} reaches at least {ending} on every one.")
     return " ".join(text)
+
+
+def _sentence(text: str) -> str:
+    """Return a text with a capital first letter, the others as they are."""
+    return text[:1].upper() + text[1:]

@@ -22,6 +22,9 @@ def run(settings: Mapping[str, Any], inputs: Mapping[str, Path], output: Path) -
     sky = sky_of(weather, float(settings["ambient_c"]), measured)
     end_s = min(sky.end_s, 3600.0 * float(settings["longest_h"]))
     rows = sky.time_s < end_s
+    if not rows.all():
+        beyond = int(np.sum(~rows))
+        print(f"weather {settings['weather']['title']}: its first {end_s / 3600.0:g} h; {beyond} rows are beyond them")
     columns = {
         "time_s": sky.time_s,
         "clock_s": sky.time_s + sky.clock_s,

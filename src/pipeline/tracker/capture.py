@@ -59,6 +59,8 @@ def light(
 ) -> Light:
     """Return the weather as the closed loop takes it; arguments as for `capture`."""
     time = np.atleast_1d(np.asarray(time_s, dtype=np.float64))
+    if not time.size:
+        raise UserError("time_s: no rows; at least one is needed")
     length = np.diff(time)
     wrong = ~(length > 0.0)
     if wrong.any():

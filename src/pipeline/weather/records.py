@@ -10,6 +10,8 @@ from pydantic import Field, field_validator, model_validator
 from pipeline.panel.records import ConstantWeather
 from pipeline.record import Record
 
+_MOST_OFF_H = 4.0
+
 
 class SapmCells(Record):
     """Cell temperature after King et al. (2004), SAND2004-3535: module back from wind, cells above it."""
@@ -45,6 +47,16 @@ class Place(Record):
     longitude_deg: float = Field(ge=-180, le=180, description="longitude, positive east [deg]")
     altitude_m: float = Field(ge=-450, le=9000, description="altitude [m]")
     utc_offset_h: float = Field(ge=-12, le=14, description="local time less universal time [h]")
+
+    @model_validator(mode="after")
+    def _by_day(self) -> Place:
+        off_h = (self.utc_offset_h - self.longitude_deg / 15.0 + 12.0) % 24.0 - 12.0
+        if abs(off_h) > _MOST_OFF_H:
+            raise ValueError(
+                f"utc_offset_h is {self.utc_offset_h:g} h at longitude_deg {self.longitude_deg:g}, {abs(off_h):.1f} h "
+                f"off the sun's time; allowed are {_MOST_OFF_H:g} h, or the day would not lie between two midnights"
+            )
+        return self
 
 
 class Surface(Record):
@@ -87,9 +99,11 @@ class ClearSky(Record):
     @classmethod
     def _is_a_date(cls, date: str) -> str:
         try:
-            datetime.date.fromisoformat(date)
+            usual = datetime.date.fromisoformat(date).isoformat() == date
         except ValueError:
-            raise ValueError(f"date is {date!r}; it must be a day as YYYY-MM-DD, e.g. 2015-03-20") from None
+            usual = False
+        if not usual:
+            raise ValueError(f"date is {date!r}; it must be a day as YYYY-MM-DD, e.g. 2015-03-20")
         return date
 
     @model_validator(mode="after")

@@ -23,9 +23,12 @@ def quantities(weather: Weather, columns: Mapping[str, Array], measured: Measure
     measured : the rows of its file, where it has one.
     """
     lengths = columns["interval_s"]
+    until_s = float(columns["time_s"][-1] + lengths[-1])
     irradiance = columns["irradiance_w_m2"]
     missing = (
-        [] if measured is None or not isinstance(weather, MeasuredWeather) else gaps(measured, weather.longest_gap_s)
+        []
+        if measured is None or not isinstance(weather, MeasuredWeather)
+        else [gap for gap in gaps(measured, weather.longest_gap_s) if gap.start_s - measured.clock_s[0] < until_s]
     )
     energy = float(np.sum(irradiance * lengths)) / _JOULE_PER_KWH
     return [
