@@ -61,11 +61,11 @@ def _parser() -> argparse.ArgumentParser:
     )
     parser.add_argument("overrides", nargs="*", metavar="key=value", help="Hydra overrides of conf/")
     parser.add_argument("-m", "--multirun", action="store_true", help="sweep over comma-separated values")
-    parser.add_argument("-c", "--cores", default="2", help="cores Snakemake may use (%(default)s)")
+    parser.add_argument("-c", "--cores", type=cores, default="2", help="cores Snakemake may use (%(default)s)")
     parser.add_argument("-n", "--dry-run", action="store_true", help="show what would run")
     parser.add_argument("-F", "--force", action="store_true", help="compute everything again and compare")
     parser.add_argument(
-        "-t", "--target", default="all", help="all, panel, tuning, search, day, charges, figures, report; staging, network"
+        "-t", "--target", default="all", help="all, panel, tuning, search, day, charges, figures, report"
     )
     parser.add_argument("--cfg", action="store_true", help="print the composed configuration and stop")
     return parser
@@ -86,3 +86,10 @@ def _snakemake(plan: Path, choices: argparse.Namespace) -> int:
     command += ["--dry-run"] * choices.dry_run + ["--forceall"] * choices.force
     command += [choices.target, "--config", f"plan={plan}"]
     return subprocess.run(command, check=False).returncode
+
+
+def cores(text: str) -> str:
+    """Return a number of cores as Snakemake takes it; with none it would wait for ever."""
+    if text != "all" and not (text.isdecimal() and int(text) > 0):
+        raise argparse.ArgumentTypeError(f"{text!r} cores; allowed are 1 or more, or all")
+    return text

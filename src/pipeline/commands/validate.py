@@ -14,6 +14,7 @@ from rich.console import Console
 from rich.table import Table
 
 from pipeline import planfile, schemas_validation, store, tables
+from pipeline.commands.run import cores
 from pipeline.digest import PROJECT
 from pipeline.validation.records import BROKEN, NOT_INSTALLED
 from pipeline.validation.registry import CHECKS
@@ -24,7 +25,7 @@ STUDY = "validation"
 def main(arguments: Sequence[str]) -> int:
     """Run the checks that are not there yet, print what they come to; return 0, or 1 where a bound is broken."""
     parser = argparse.ArgumentParser(prog="python -m pipeline validate", description=__doc__)
-    parser.add_argument("-c", "--cores", default="2", help="cores Snakemake may use (%(default)s)")
+    parser.add_argument("-c", "--cores", type=cores, default="2", help="cores Snakemake may use (%(default)s)")
     parser.add_argument("-a", "--all-rows", action="store_true", help="print every row, not only those that fail")
     options = parser.parse_args(arguments)
     failed = _made(options.cores)
