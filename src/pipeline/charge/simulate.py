@@ -94,11 +94,8 @@ def run(battery: Battery, mode: Mode, supply: Supply, settings: ChargeSettings, 
     cell = compile_cell(battery)
     protocol = resolve(mode, battery.capacity_in_use_ah, battery.fills)
     program = compile_program(protocol, battery.cells_in_series, engine.driver)
-    state = new_run()
+    state = resting_run(cell, settings.initial_soc, settings.ambient_c + ZERO_CELSIUS_K)
     start = state["state"].copy()
-    start[DEPTH], start[TEMPERATURE] = 1.0 - settings.initial_soc, settings.ambient_c + ZERO_CELSIUS_K
-    start[HYSTERESIS] = cell.hysteresis_start_v
-    state["state"][:] = start
     book = _book(program, settings, cell)
     book.peak_k[0] = start[TEMPERATURE]
     control = compile_control(protocol, battery.capacity_in_use_ah)
@@ -114,6 +111,14 @@ def run(battery: Battery, mode: Mode, supply: Supply, settings: ChargeSettings, 
             f"temperature {state['state'][TEMPERATURE] - ZERO_CELSIUS_K:.6g} degC{remedy}"
         )
     return Outcome(cell, protocol, state, book, start, end_s)
+
+
+def resting_run(cell: Cell, initial_soc: float, temperature_k: float) -> Run:
+    """Return the record of a run that begins at rest, its pairs discharged."""
+    run = new_run()
+    state = run["state"]
+    state[DEPTH], state[TEMPERATURE], state[HYSTERESIS] = 1.0 - initial_soc, temperature_k, cell.hysteresis_start_v
+    return run
 
 
 def launch(

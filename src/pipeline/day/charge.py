@@ -24,8 +24,8 @@ from pipeline.charge.program import compile_program
 from pipeline.charge.protocol import Course, resolve
 from pipeline.charge.record_keeping import CHARGE_IN, CHARGE_OUT, SUPPLY_LIMITED_S, VOLTAGE_LIMITED_S
 from pipeline.charge.records import ChargeSettings, EngineSettings, Mode
-from pipeline.charge.simulate import Outcome, Supply, launch, new_book, trace
-from pipeline.charge.state import DEPTH, HYSTERESIS, TEMPERATURE, new_run
+from pipeline.charge.simulate import Outcome, Supply, launch, new_book, resting_run, trace
+from pipeline.charge.state import DEPTH, TEMPERATURE
 from pipeline.day import checks
 from pipeline.day.legs import Log, Place, pause, shares, still_to_run
 from pipeline.day.records import DayConditions
@@ -102,11 +102,8 @@ def charge_over_day(
     check(battery, mode, ChargeSettings(initial_soc=conditions.initial_soc, ambient_c=first_c))
     cell = compile_cell(battery)
     sheet = resolve(mode, battery.capacity_in_use_ah, battery.fills)
-    run = new_run()
+    run = resting_run(cell, conditions.initial_soc, air[0][1])
     start = run["state"].copy()
-    start[DEPTH], start[TEMPERATURE] = 1.0 - conditions.initial_soc, air[0][1]
-    start[HYSTERESIS] = cell.hysteresis_start_v
-    run["state"][:] = start
     spans = charging_spans(day.time_s, day.power_w, day.end_s, conditions.switching)
     cuts = sorted({0.0, day.end_s, *(edge for span in spans for edge in span), *(at_s for at_s, _ in air)})
     rows = math.ceil(day.end_s / interval_s) + 2 * len(cuts) + len(sheet.courses) + 4

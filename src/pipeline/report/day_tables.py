@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 from pipeline.report.data import ReportData
-from pipeline.report.tables import Cell, ReportTable, plain
+from pipeline.report.tables import Cell, ReportTable, plain, sentence
 
 _HOUR_S = 3600.0
 _ROWS = (
@@ -118,7 +118,7 @@ def text(data: ReportData) -> str:
         share = 100.0 * first["stored_wh"] / first["sun_wh"] if first["sun_wh"] else 0.0
         unused = 100.0 * first["curtailed_wh"] / first["sun_wh"] if first["sun_wh"] else 0.0
         sentences.append(
-            f"{title[:1].upper() + title[1:]} day, {sky['irradiation_kwh_m2']:.2f} kWh/m²: {'; '.join(parts)}. With "
+            f"{sentence(title)} day, {sky['irradiation_kwh_m2']:.2f} kWh/m²: {'; '.join(parts)}. With "
             f"{data.modes[modes[0]].title}, {share:.0f} % of it is stored, and for {unused:.0f} % there is no use."
         )
         if sky.get("gaps"):

@@ -7,7 +7,7 @@ from collections.abc import Mapping
 import numpy as np
 
 from pipeline.report.data import ReportData
-from pipeline.report.tables import Cell, ReportTable, plain
+from pipeline.report.tables import Cell, ReportTable, plain, sentence
 
 _STEADY = (
     ("steady_efficiency", "steady / %", 100.0),
@@ -163,10 +163,5 @@ def tracking_text(data: ReportData) -> str:
         )
     if free:
         ending = f"{min(share[name] for name in names if share[name] >= 95.0):.1f} %"
-        text.append(f"{_sentence(', '.join(free))} reaches at least {ending} on every one.")
+        text.append(f"{sentence(', '.join(free))} reaches at least {ending} on every one.")
     return " ".join(text)
-
-
-def _sentence(text: str) -> str:
-    """Return a text with a capital first letter, the others as they are."""
-    return text[:1].upper() + text[1:]

@@ -186,3 +186,8 @@ def plain(value: Any) -> Cell:
 def _summary(columns: Columns) -> dict[str, Cell]:
     rows = zip(columns["quantity"], columns["value"], columns["text"], strict=True)
     return {str(name): plain(text) if text else plain(value) for name, value, text in rows}
+
+
+def sentence(text: str) -> str:
+    """Return a text with a capital first letter, the others as they are."""
+    return text[:1].upper() + text[1:]

@@ -9,6 +9,7 @@ from matplotlib.figure import Figure
 from pipeline.report import style
 from pipeline.report.data import Columns, ReportData
 from pipeline.report.records import CheckOptions, FigureCard
+from pipeline.report.tables import sentence
 
 FLOOR = 1e-17
 """What is smaller is drawn here: a difference of exactly zero has no logarithm."""
@@ -63,10 +64,5 @@ def _field(axes: Axes, table: Columns, group: str, found: dict[str, style.Mark])
         )
     axes.set_yscale("log")
     axes.set_title(group)
-    axes.set_xlabel(_label(table["across"][own][0]))
-    axes.set_ylabel(_label(table["up"][own][0]))
-
-
-def _label(text: object) -> str:
-    words = str(text)
-    return words[:1].upper() + words[1:]
+    axes.set_xlabel(sentence(str(table["across"][own][0])))
+    axes.set_ylabel(sentence(str(table["up"][own][0])))

@@ -10,6 +10,7 @@ from matplotlib.ticker import NullFormatter
 from pipeline.report import style
 from pipeline.report.data import Columns, ReportData
 from pipeline.report.records import CheckOptions, FigureCard
+from pipeline.report.tables import sentence
 
 _ROUNDING = 1e-14
 
@@ -35,7 +36,7 @@ def draw(figure: FigureCard, data: ReportData) -> Figure:
         axes.set_xscale("log")
         axes.set_yscale("log")
         across = str(table["across"][table["group"] == group][0])
-        axes.set_xlabel(across[:1].upper() + across[1:])
+        axes.set_xlabel(sentence(across))
         axes.xaxis.set_minor_formatter(NullFormatter())
         axes.legend(loc="lower right")
     fields[0, 0].set_ylabel("Relative error [1]")
