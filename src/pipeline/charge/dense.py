@@ -12,6 +12,7 @@ from pipeline.charge.record_keeping import (
     SPAN_S,
     SUMS,
     Book,
+    passes_mark,
     take_sample,
 )
 from pipeline.charge.state import DEPTH, TEMPERATURE, Run
@@ -27,9 +28,6 @@ from pipeline.charge.stride import (
     passed_by,
 )
 from pipeline.jit import inlined, kernel
-
-# A stop at a mark ends the charge within this of it.
-_ROUNDING = 1e-12
 
 
 @kernel
@@ -69,7 +67,7 @@ def _part_at(stride: Stride, part: int, count: int, theta: float) -> float:
 
 @inlined
 def _note_marks(book: Book, stride: Stride, count: int, begin_s: float, length_s: float) -> None:
-    while book.filled[3] < len(book.marks) and stride.place[END, DEPTH] <= book.marks[book.filled[3], 0] + _ROUNDING:
+    while passes_mark(book, stride.place[END, DEPTH]):
         mark = book.marks[book.filled[3]]
         low, high = 0.0, 1.0
         for _ in range(60):
