@@ -45,6 +45,16 @@ def units_stand_on_the_axes(name, card, found) -> None:
     assert any(UNIT.search(label) for label in vertical) or any(re.search("[A-Za-z]", text) for text in named), name
 
 
+def test_axes_stand_on_rounded_places_whatever_the_layout_solver_left(tmp_path):
+    with style.active():
+        drawing = style.figure(3.0)
+        drawing.subplots(2, 2)
+        style.save(drawing, tmp_path, "f")
+    edges = [edge for axes in drawing.axes for edge in axes.get_position().bounds]
+    assert len(edges) == 16
+    assert edges == pytest.approx([round(edge, 6) for edge in edges], abs=1e-15, rel=0.0)
+
+
 def test_every_figure_is_the_same_bytes_twice(name, card, whole, tmp_path):
     for folder in ("first", "second"):
         (tmp_path / folder).mkdir()
