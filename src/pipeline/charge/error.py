@@ -11,7 +11,7 @@ from pipeline.charge.state import ENTROPY, ETA, MAIN, OHM, SLOW_V, START, TOTAL,
 from pipeline.jit import inlined
 
 # A current the step cannot follow leaves this share of its squared mismatch behind, measured and rounded upwards.
-_CURRENT_ERROR = 1e-3
+CURRENT_ERROR = 1e-3
 # A voltage it cannot follow: this share of its mismatch, rounded upwards.
 _VOLTAGE_ERROR = 0.1
 
@@ -27,7 +27,7 @@ def step_error(cell: Cell, run: Run, h: float, bypassed: bool) -> float:
     main = _mismatch(at[MAIN])
     swing = max(abs(at[MAIN, START] - at[MAIN, 2]), abs(at[MAIN, 0] - at[MAIN, 2])) + abs(main) + 1e-300
     flow = abs(at[TOTAL, 2]) + 1e-3 * cell.charge_as / 3600.0
-    error = _CURRENT_ERROR * main * main / (swing * flow)
+    error = CURRENT_ERROR * main * main / (swing * flow)
     if run.near and cell.transfer == 0 and cell.hysteresis == 0:
         # Every other quantity is a straight line by construction.
         return float(error)

@@ -40,7 +40,7 @@ from pipeline.charge.state import (
 from pipeline.jit import inlined
 
 # Change of the side reaction's exponent up to which nine terms of the exponential give all its digits.
-_SERIES = 0.1
+SERIES_BELOW = 0.1
 _TERMS = tuple(1.0 / math.factorial(k) for k in range(10))
 
 
@@ -173,7 +173,7 @@ def side_currents(cell: Cell, run: Run, near: bool) -> None:
     e2, scale2 = side_exponent(cell, at[NODE_V, 2], at[T, 2])
     e3, scale3 = side_exponent(cell, at[NODE_V, START], at[T, START])
     e0, e1, e2, e3 = e0 - e3, e1 - e3, e2 - e3, e3 - e3
-    if near and max(abs(e0), max(abs(e1), abs(e2))) < _SERIES:
+    if near and max(abs(e0), max(abs(e1), abs(e2))) < SERIES_BELOW:
         side = at[SIDE, START]
         s0, s1, s2, s3 = side * growth(e0), side * growth(e1), side * growth(e2), side * growth(e3)
         put(at[SIDE], s0, s1, s2, s3)

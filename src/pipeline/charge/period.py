@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pipeline.cell.circuit import Cell
+from pipeline.charge.leaking import cross_leaking, is_leaking
 from pipeline.charge.plain import cross, is_plain
 from pipeline.charge.program import Program
 from pipeline.charge.record_keeping import (
@@ -96,7 +97,7 @@ def run_periods(
     last = periods + count
     limits = program.limits[course]
     watched = limits[WATCHED] > 0.0
-    plain = is_plain(cell) and not watched
+    plain, leaking = is_plain(cell) and not watched, is_leaking(cell) and not watched
     segments = program.segments[course]
     proposals = run.proposal_s
     reason = NOTHING
@@ -133,12 +134,16 @@ def run_periods(
                 due_s = min(next_sample * interval_s, program.stop_elapsed_s, phase_end_s)
                 if supply + 1 < len(supply_time_s):
                     due_s = min(due_s, supply_time_s[supply + 1])
+                whole = remaining_s == length_s and due_s >= time_s + length_s - TICK
                 if (
-                    plain
-                    and remaining_s == length_s
-                    and due_s >= time_s + length_s - TICK
+                    (plain or leaking)
+                    and whole
                     and not meets_window(book, time_s, time_s + length_s)
-                    and cross(cell, run, book, demand, limits, ambient_k, length_s)
+                    and (
+                        cross(cell, run, book, demand, limits, ambient_k, length_s)
+                        if plain
+                        else cross_leaking(cell, run, book, demand, limits, ambient_k, length_s, tolerance)
+                    )
                 ):
                     run.steps += 1
                     time_s, remaining_s = segment_start_s + length_s, 0.0

@@ -32,7 +32,7 @@ from pipeline.charge.state import (
 from pipeline.jit import inlined, kernel
 
 # Share of the thermal time constant that a segment may last: its temperature is a straight line.
-_BRIEF = 1e-4
+BRIEF = 1e-4
 
 
 @inlined
@@ -54,7 +54,7 @@ def cross(
     end[DEPTH] = state[DEPTH] + moved
     if (
         abs(moved) >= NEAR * state[DEPTH]
-        or length_s > _BRIEF * cell.heat_capacity_j_k * cell.thermal_resistance_k_w
+        or length_s > BRIEF * cell.heat_capacity_j_k * cell.thermal_resistance_k_w
         or end[DEPTH] < max(limits[0], max(limits[4], limits[STAGE_EDGE]))
         or passes_mark(book, end[DEPTH])
     ):

@@ -25,6 +25,7 @@ from pipeline.charge.state import (
     SERIES_HEAT,
     SIDE,
     SIDE_CHARGE,
+    SIDE_HEAT,
     START,
     TEMPERATURE,
     TERMINAL_V,
@@ -101,7 +102,10 @@ def add_plain(cell: Cell, run: Run, book: Book, current: float, length_s: float,
     _add_charge(run, book, length_s)
     for n in (CHARGE, VOLTAGE_TIME, ELECTRICAL, SERIES_HEAT, REVERSIBLE_HEAT, TO_AMBIENT):
         gains[n] += gain[n]
-    for k in range(cell.pairs):
+    if cell.side == 1:
+        gains[SIDE_CHARGE] += gain[SIDE_CHARGE]
+        gains[SIDE_HEAT] += gain[SIDE_HEAT]
+    for k in range(cell.pairs + cell.acceptance):
         gains[PAIR_HEAT + k] += gain[PAIR_HEAT + k]
     extremes[LOWEST_V] = min(extremes[LOWEST_V], min(start_v, end_v))
     extremes[HIGHEST_V] = max(extremes[HIGHEST_V], max(start_v, end_v))

@@ -73,6 +73,9 @@ RUN = np.dtype(
         ("jacobian", np.float64, (3, 4)),
         # Of each segment's steps in the last period: currents, rises in temperature at the moments, length, control.
         ("memory", np.float64, (3, MOST_REMEMBERED, 12)),
+        # Of each segment in a period: how its pairs follow, and how side current and temperature rise in it.
+        ("leak_weights", np.float64, (3, MOST_RELAXATIONS, 6, 4)),
+        ("leak", np.float64, (3, 4)),
         *WEIGHT_FIELDS,
         ("state", np.float64, (RELAXATIONS + MOST_RELAXATIONS,)),
         ("end", np.float64, (RELAXATIONS + MOST_RELAXATIONS,)),
@@ -81,6 +84,7 @@ RUN = np.dtype(
         # Lengths of whole segments and how their pairs follow, of each segment.
         ("plain_s", np.float64, (3,)),
         ("plain", np.float64, (3, MOST_RELAXATIONS, 6)),
+        ("leak_start_a", np.float64, (3,)),
         ("guess_a", np.float64),
         ("relaxed_v", np.float64),
         ("segment", np.int64),

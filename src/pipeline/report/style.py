@@ -11,6 +11,7 @@ import matplotlib
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
+from matplotlib.transforms import Bbox
 
 STYLE_FILE = Path(__file__).with_name("charge.mplstyle")
 WIDTH_IN = 9.0
@@ -108,4 +109,4 @@ def _settle(drawing: Figure) -> None:
     drawing.set_layout_engine("none")
     for axes in drawing.axes:
         if axes.get_axes_locator() is None:
-            axes.set_position([round(edge, 6) for edge in axes.get_position(original=True).bounds])
+            axes.set_position(Bbox.from_bounds(*(round(edge, 6) for edge in axes.get_position(original=True).bounds)))
