@@ -13,7 +13,9 @@ from pathlib import Path
 from typing import Any, TypeVar, cast
 
 import numba
+import numpy as np
 from numba.core import config
+from numpy.typing import NDArray
 
 from pipeline import digest
 
@@ -44,6 +46,18 @@ def kernel(function: F) -> F:
 def inlined(function: F) -> F:
     """Compile like `kernel`, into its callers: for the innermost functions, whose call would cost more than they do."""
     return _compile(function, _nrt=False, forceinline=True)
+
+
+def new_record(fields: np.dtype[Any], alignment: int = 1) -> Any:
+    """Return a record of zeros, the first byte of it on a multiple of `alignment`; its fields are attributes too."""
+    room = np.zeros(fields.itemsize + alignment - 1, dtype=np.uint8)
+    begin = -room.ctypes.data % alignment if alignment > 1 else 0
+    return room[begin : begin + fields.itemsize].view(np.dtype((np.record, fields)))[0]
+
+
+def by_reference(record: Any) -> NDArray[Any]:
+    """Return the array of one that a record stands in: a kernel takes that thirty times as fast as the record."""
+    return cast("NDArray[Any]", record.base)
 
 
 @cache

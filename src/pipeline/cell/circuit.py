@@ -9,7 +9,7 @@ import numpy as np
 
 from pipeline.cell.curves import CURVE_FIELDS, compile_curves, integral
 from pipeline.cell.records import Battery, SideReaction
-from pipeline.jit import inlined, kernel
+from pipeline.jit import inlined, kernel, new_record
 
 GAS_CONSTANT = 8.314462618
 FARADAY = 96485.33212
@@ -66,7 +66,7 @@ def compile_cell(battery: Battery) -> Cell:
     `k` cells in parallel multiply charge, exchange and side current and heat capacity by k and divide every resistance.
     """
     k = battery.scale
-    cell = np.zeros(1, dtype=CELL).view(np.recarray)[0]
+    cell = new_record(CELL)
     transfer, acceptance, side = battery.charge_transfer, battery.acceptance, battery.side_reaction
     pairs = list(battery.pairs.values())
     compile_curves(

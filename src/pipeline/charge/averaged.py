@@ -21,7 +21,7 @@ from pipeline.charge.record_keeping import Book, reset_extremes
 from pipeline.charge.segment import NOTHING
 from pipeline.charge.state import DEPTH, RELAXATIONS, Run
 from pipeline.charge.stride import END, FIRST, TRIED, Stride, copy, move, weigh
-from pipeline.jit import inlined, kernel
+from pipeline.jit import inlined
 
 # What a stride is at: nothing, its first period, those at its nodes, those that tell slopes.
 _IDLE, _AT_START, _AT_NODES, _AT_SLOPES = range(4)
@@ -38,6 +38,8 @@ _SLOW = 0.2
 _MUCH_SHORTER = 0.3
 # SOC that a stride moves at most: the start says nothing of what waits at the next knot of a table.
 _MOST_MOVED = 0.01
+# Longest stride, in the longest steps allowed.
+_LONGEST = 2.0
 
 
 @inlined
@@ -46,7 +48,7 @@ def begin_strides(stride: Stride) -> None:
     stride.proposal, stride.last, stride.sloped, stride.phase = 0.0, 0, 0, _IDLE
 
 
-@kernel
+@inlined
 def next_periods(
     cell: Cell,
     program: Program,
@@ -131,7 +133,7 @@ def _begin(
     if room < _FEWEST:
         stride.proposal, stride.last = _FEWEST, 0
         return max(seen, room + 3, 1)
-    longest = max(float(_FEWEST), maximum_step_s / clock.period_s)
+    longest = max(float(_FEWEST), _LONGEST * maximum_step_s / clock.period_s)
     stride.count = int(min(float(room), longest, stride.proposal))
     own.period_s, own.supply, own.next_sample = clock.period_s, clock.supply, 1
     own.sample_interval_s = own.phase_end_s = math.inf

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -102,3 +103,28 @@ def run_program(
             course += 1
     take_sample(cell, run, book, clock.time_s, clock.group)
     return DONE
+
+
+@kernel
+def run_from_python(
+    cells: NDArray[Any],
+    program: Program,
+    control: Control,
+    supply_time_s: NDArray[np.float64],
+    supply_power_w: NDArray[np.float64],
+    runs: NDArray[Any],
+    book: Book,
+    clocks: NDArray[Any],
+    strides: NDArray[Any],
+    own: NDArray[Any],
+    scratch: Book,
+    ambient_k: float,
+    tolerance: float,
+    maximum_step_s: float,
+    maximum_steps: int,
+) -> int:
+    """Do as `run_program`, each record in an array of one."""
+    return run_program(
+        cells[0], program, control, supply_time_s, supply_power_w, runs[0], book, clocks[0], strides[0], own[0],
+        scratch, ambient_k, tolerance, maximum_step_s, maximum_steps,
+    )  # fmt: skip

@@ -71,7 +71,7 @@ def measure(cell: Cell, run: Run, stride: Stride) -> None:
     row = stride.at
     place, measured = stride.place[row], stride.measured[row]
     for k in range(stride.parts):
-        measured[k] = run.state[k] - math.exp(-stride.ratio[k]) * place[k]
+        measured[k] = run.state[k] - stride.kept[k] * place[k]
     # From the sums themselves, not from the small difference of two states.
     gains = stride.added[row, GAINS_FROM:]
     if abs(gains[CHARGE]) * cell.per_as < place[DEPTH]:

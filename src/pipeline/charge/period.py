@@ -42,7 +42,7 @@ from pipeline.charge.segment import (
 )
 from pipeline.charge.state import DEPTH, Run
 from pipeline.charge.watching import look_at_start, peak_until, renew_peak
-from pipeline.jit import kernel
+from pipeline.jit import inlined, kernel, new_record
 
 EXHAUSTED = -3
 TICK = 1e-9
@@ -69,12 +69,12 @@ Clock = Any
 
 def new_clock(sample_interval_s: float) -> Clock:
     """Return the clock of a run that has not begun."""
-    clock = np.zeros(1, dtype=CLOCK).view(np.recarray)[0]
+    clock = new_record(CLOCK)
     clock["sample_interval_s"], clock["next_sample"], clock["phase_end_s"] = sample_interval_s, 1, math.inf
     return clock
 
 
-@kernel
+@inlined
 def run_periods(
     cell: Cell,
     program: Program,

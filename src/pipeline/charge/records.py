@@ -102,5 +102,7 @@ class EngineSettings(Record):
         "has no periods, and what is watched for a falling voltage or a rising rate, goes from edge to edge",
     )
     tolerance: float = Field(1e-6, gt=1e-13, le=1e-3, description="error of a step relative to current and voltage [1]")
-    maximum_step_s: float = Field(60.0, gt=0, description="longest step [s]")
+    maximum_step_s: float = Field(
+        60.0, gt=0, description="longest step; strides over periods take up to twice that [s]"
+    )
     maximum_steps: int = Field(200_000_000, ge=1, description="steps after which a charge is given up")

@@ -25,6 +25,7 @@ from pipeline.charge.state import DEPTH, HYSTERESIS, PAIR_HEAT, TEMPERATURE, Run
 from pipeline.charge.stride import new_stride
 from pipeline.charge.summary import Quantity, summarise
 from pipeline.errors import EngineError
+from pipeline.jit import by_reference
 
 Columns = dict[str, Any]
 
@@ -133,17 +134,17 @@ def launch(
     engine: EngineSettings,
 ) -> int:
     """Run a compiled program from a state; return how it went."""
-    return drive.run_program(
-        cell,
+    return drive.run_from_python(
+        by_reference(cell),
         program,
         control,
         np.ascontiguousarray(supply.time_s, dtype=np.float64),
         np.ascontiguousarray(supply.power_w, dtype=np.float64),
-        state,
+        by_reference(state),
         book,
-        clock,
-        new_stride(),
-        new_clock(math.inf),
+        by_reference(clock),
+        by_reference(new_stride()),
+        by_reference(new_clock(math.inf)),
         _scratch(),
         ambient_k,
         float(engine.tolerance),
@@ -186,6 +187,8 @@ def new_book(samples: int, phases: int, points: int, marks: NDArray[np.float64],
 
 def _points(program: Program, windows: NDArray[np.float64]) -> int:
     """Return room for the windows: a grid of each segment, and both ends of each of its steps."""
+    if not windows.size:
+        return 0
     finite = program.length_s[np.isfinite(program.length_s) & (program.length_s > 0)]
     shortest = float(finite.min()) if finite.size else math.inf
     spans = windows[:, 1] - windows[:, 0]

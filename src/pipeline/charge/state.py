@@ -8,6 +8,7 @@ import numpy as np
 
 from pipeline.cell.circuit import MOST_RELAXATIONS
 from pipeline.cell.relaxation import WEIGHT_FIELDS
+from pipeline.jit import new_record
 
 CURRENT_CONTROL, VOLTAGE_CONTROL, POWER_CONTROL = range(3)
 
@@ -111,9 +112,7 @@ Run = Any
 
 def new_run() -> Run:
     """Return the record of a run that has not begun."""
-    room = np.zeros(RUN.itemsize + _ALIGNMENT, dtype=np.uint8)
-    begin = -room.ctypes.data % _ALIGNMENT
-    run = room[begin : begin + RUN.itemsize].view(RUN).view(np.recarray)[0]
+    run = new_record(RUN, _ALIGNMENT)
     run["length_s"][:] = run["plain_s"][:] = -1.0
     return run
 

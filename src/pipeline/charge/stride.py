@@ -7,6 +7,7 @@ relaxation multiplies what there was by the same factor in every period, so it i
 
 from __future__ import annotations
 
+import math
 from typing import Any
 
 import numpy as np
@@ -16,7 +17,7 @@ from pipeline.cell.circuit import MOST_RELAXATIONS, Cell
 from pipeline.cell.relaxation import LAGRANGE, NODES, phi_functions, response
 from pipeline.charge.record_keeping import SUMS
 from pipeline.charge.state import HYSTERESIS, PAIR_HEAT, RELAXATIONS
-from pipeline.jit import inlined, kernel
+from pipeline.jit import inlined, kernel, new_record
 
 PARTS = RELAXATIONS + MOST_RELAXATIONS
 # What a period adds beside the state: sums of the book, gains, changes of control; what is seen in it.
@@ -34,6 +35,7 @@ STRIDE = np.dtype(
         ("before", np.float64, (PARTS,)),
         ("place", np.float64, (5, PARTS)),
         ("ratio", np.float64, (PARTS,)),
+        ("kept", np.float64, (PARTS,)),
         ("left", np.float64, (PARTS, 4)),
         ("weight", np.float64, (PARTS, 3, 4)),
         ("forcing", np.float64, (3, PARTS)),
@@ -72,7 +74,7 @@ STRIDE = np.dtype(
 """Everything of a stride.
 
 place[j] : state before the period at node j, and at the end.
-ratio : -log of what a period leaves of a part of the state.
+kept, ratio : what a period leaves of a part of the state, and -log of it.
 left[k, j], weight[k, l, j] : part k at node j is left times its start plus weights times forcings.
 forcing[l, k] : what the period at node l adds to part k, `measured` what it did.
 slope[m, k] : how what is measured of part m rises with part k.
@@ -83,7 +85,7 @@ Stride = Any
 
 def new_stride() -> Stride:
     """Return the record of strides, before the first."""
-    return np.zeros(1, dtype=STRIDE).view(np.recarray)[0]
+    return new_record(STRIDE)
 
 
 @kernel
@@ -146,6 +148,8 @@ def keep_ratios(cell: Cell, stride: Stride, period_s: float, moved: float) -> No
     stride.ratio[HYSTERESIS] = cell.hysteresis_per_depth * moved
     for k in range(cell.relaxations):
         stride.ratio[RELAXATIONS + k] = period_s / cell.tau_s[k]
+    for k in range(stride.parts):
+        stride.kept[k] = math.exp(-stride.ratio[k])
 
 
 @kernel
