@@ -95,21 +95,25 @@ def _against_peers(m: Model, p: Pulses, ours: Runs, found: End, before: dict[str
 
 
 def _against_loops(m: Model, p: Pulses, ours: Callable[[], object], found: End, before: dict[str, float]) -> list[Row]:
-    """The loop that counts is the cheapest one within 1e-6; its error is not below ours."""
+    """The loop that counts is the one nearest to our error and not below it; the cheapest within 1e-6 is marked."""
     loops = {steps: runge_kutta.build(m, p, steps) for steps in runge_kutta.LADDER}
     first_s, _ = once(loops[runge_kutta.LADDER[0]])
     walls = interleaved({OURS: ours} | {str(steps): loop for steps, loop in loops.items()}, rounds=7)
     expected = common_model.exact(m, p)
     own = common_model.error(found, expected)
-    made, counted = [], False
-    for steps, loop in loops.items():
-        theirs = common_model.error(loop(), expected)
-        counts = not counted and own <= theirs <= ERROR_ASKED
-        counted |= counts
+    errors = {steps: common_model.error(loop(), expected) for steps, loop in loops.items()}
+    matched = min((steps for steps in loops if errors[steps] >= own), key=lambda steps: errors[steps])
+    cheapest = min(steps for steps in loops if errors[steps] <= ERROR_ASKED)
+    made = []
+    for steps in loops:
         row = compared(
             NAME, f"{runge_kutta.TITLE}, {steps} steps a charging pulse", walls[OURS], walls[str(steps)],
-            ours_error=own, peer_error=theirs, error_means=MEANS,
+            ours_error=own, peer_error=errors[steps], error_means=MEANS,
             before_s=before | {runge_kutta.TITLE: first_s},
         )  # fmt: skip
-        made.append(replace(row, figure=PLAIN, error_asked=ERROR_ASKED, note="cheapest within 1e-6") if counts else row)
+        if steps == matched:
+            row = replace(row, figure=PLAIN, error_asked=ERROR_ASKED, note="nearest to our error, and not below it")
+        elif steps == cheapest:
+            row = replace(row, note="cheapest within 1e-6")
+        made.append(row)
     return made

@@ -13,7 +13,7 @@ import numba
 from benchmarks.common_model import End, Model, Pulses
 
 TITLE = "Runge-Kutta, numba"
-LADDER = (2, 4, 6, 8, 12, 16, 24, 32, 48, 64)
+LADDER = (2, 4, 8, 12, 16, 32, 64, 128, 256)
 """Steps of the longest part of a period."""
 
 
