@@ -38,8 +38,8 @@ _SLOW = 0.2
 _MUCH_SHORTER = 0.3
 # SOC that a stride moves at most: the start says nothing of what waits at the next knot of a table.
 _MOST_MOVED = 0.01
-# Longest stride, in the longest steps allowed.
-_LONGEST = 2.0
+LONGEST = 2.0
+"""Longest stride, in units of the longest step allowed."""
 
 
 @inlined
@@ -133,7 +133,7 @@ def _begin(
     if room < _FEWEST:
         stride.proposal, stride.last = _FEWEST, 0
         return max(seen, room + 3, 1)
-    longest = max(float(_FEWEST), _LONGEST * maximum_step_s / clock.period_s)
+    longest = max(float(_FEWEST), LONGEST * maximum_step_s / clock.period_s)
     stride.count = int(min(float(room), longest, stride.proposal))
     own.period_s, own.supply, own.next_sample = clock.period_s, clock.supply, 1
     own.sample_interval_s = own.phase_end_s = math.inf

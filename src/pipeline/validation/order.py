@@ -8,6 +8,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from pipeline.charge.averaged import LONGEST
 from pipeline.validation import plain
 from pipeline.validation.records import Curve, Found, Row, at_least, at_most
 
@@ -97,7 +98,7 @@ def _warmed(longest_s: float, tolerance: float) -> float:
     """Return the error of the temperature after pulses, over its rise; so large a battery hardly fills meanwhile."""
     cell = plain.battery(cooling_k_w=_COOLING_K_W, capacity_ah=_PULSED_AH)
     mode = plain.pulsed(_PULSED_A, _PULSED_S)
-    charge = plain.charged(cell, mode, "averaged", _PULSED_S, maximum_step_s=longest_s, tolerance=tolerance)
+    charge = plain.charged(cell, mode, "averaged", _PULSED_S, maximum_step_s=longest_s / LONGEST, tolerance=tolerance)
     settled_k = plain.CELLS * plain.OHM * _PULSED_A**2 * _COOLING_K_W
     lag_s = _COOLING_K_W * plain.HEAT_CAPACITY_J_K
     expected = float(plain.pulsed_rise(0.0, settled_k, lag_s, _PULSED_S / plain.PERIOD_S))
