@@ -6,9 +6,11 @@ from collections.abc import Iterator
 from typing import Any
 
 from pipeline import own_series
+from pipeline.bus.records import LoadProfile, MeasuredLoad
 from pipeline.config.study import Study
 from pipeline.converter.records import PowerChain
 from pipeline.draft import Draft, plain
+from pipeline.weather.records import Weather
 
 
 def days(study: Study) -> Iterator[Draft]:
@@ -26,7 +28,7 @@ def days(study: Study) -> Iterator[Draft]:
                 "longest_h": study.day.longest_h,
             },
             sections=(f"day.weathers.{name}",),
-            shown={f"{part}.parquet": f"day/{name}/{part}.parquet" for part in ("weather", "quantities")},
+            shown={f"{part}.parquet": f"day/{name}/{part}.parquet" for part in ("weather", "gaps", "quantities")},
         )
         yield _daylight(study, name)
     for name in study.day.weathers:
@@ -53,11 +55,18 @@ def _daylight(study: Study, weather: str) -> Draft:
                 }
             ),
             "load": own_series.settings(study.day.load, "load"),
+            "date": _date(study.day.load, study.day.weathers[weather]),
         },
         inputs={"panel": "panel", f"weather/{weather}": f"weather/{weather}"},
         sections=("panel", "converter", "day.load", "day.tracker"),
         shown={"daylight.parquet": f"day/{weather}/daylight.parquet"},
     )
+
+
+def _date(load: LoadProfile, weather: Weather) -> str | None:
+    """Return the day of the weather, which only a load of somebody's own asks for."""
+    date = own_series.date_of(weather) if isinstance(load, MeasuredLoad) else None
+    return None if date is None else date.isoformat()
 
 
 def _charge(study: Study, weather: str, mode: str) -> Draft:

@@ -17,6 +17,15 @@ WEATHER = Table(
         Column("cell_temperature_c", "degC", "temperature of the panel's cells"),
     ),
 )
+WEATHER_GAPS = Table(
+    "weather_gaps",
+    "Gaps in the file of a measured weather, and what stands in for them; no row where there are none",
+    (
+        Column("clock_s", "s", "start of the gap in local time, since midnight"),
+        Column("length_s", "s", "length of the gap"),
+        Column("filled", "", "interpolated between the rows beside it, or dark", "text"),
+    ),
+)
 DAYLIGHT = Table(
     "daylight",
     "What the battery could have over a day if it took everything, constant from each row's time to the next",
@@ -92,6 +101,7 @@ DAY_STAGES = Table(
 
 ARTEFACTS: dict[tuple[str, str], tuple[str, Table]] = {
     ("weather", "weather"): ("weather.parquet", WEATHER),
+    ("weather", "weather_gaps"): ("gaps.parquet", WEATHER_GAPS),
     ("weather", "quantities"): ("quantities.parquet", QUANTITIES),
     ("daylight", "daylight"): ("daylight.parquet", DAYLIGHT),
     ("day", "day_trace"): ("trace.parquet", DAY_TRACE),

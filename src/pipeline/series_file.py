@@ -15,11 +15,9 @@ import pyarrow.parquet as pq
 from numpy.typing import NDArray
 
 from pipeline.errors import UserError, best_matches
+from pipeline.series_clock import clock
 
 Array = NDArray[np.float64]
-TIMES = ("time_s", "time")
-"""Names of the column of time: seconds since midnight of the first day, or ISO 8601."""
-_DAY_S = 86400.0
 
 
 class Allowed(NamedTuple):
@@ -38,14 +36,23 @@ class Rows(NamedTuple):
     names: Sequence[str]
 
 
-def read(path: Path, allowed: Mapping[str, Allowed], fewest: int = 2) -> dict[str, Array]:
-    """Return `clock_s`, seconds since midnight of the first day, and the columns that are asked for, shape (n,) each.
+class Series(NamedTuple):
+    """Columns over time: seconds since midnight of the first local day, and its date; none for times of day."""
+
+    clock_s: Array
+    columns: Mapping[str, Array]
+    date: datetime.date | None
+
+
+def read(path: Path, allowed: Mapping[str, Allowed], fewest: int = 2, utc_offset_h: float | None = None) -> Series:
+    """Return times and the columns that are asked for, shape (n,) each.
 
     Arguments
     ---------
     path : a CSV file in UTF-8, or a Parquet file.
     allowed : name of each column, which ends in its unit -> what it may hold.
     fewest : rows that must be there.
+    utc_offset_h : local time less universal time, for times that carry an offset [h].
 
     Raises
     ------
@@ -62,11 +69,13 @@ def read(path: Path, allowed: Mapping[str, Allowed], fewest: int = 2) -> dict[st
             raise UserError(f"{path}: no column {name!r} [{limits.unit}]; {best_matches(name, rows.columns)}")
     if len(rows.names) < fewest:
         raise UserError(f"{path}: {len(rows.names)} rows; allowed are {fewest} and more")
-    found = {"clock_s": _clock(path, rows)}
-    for name, limits in allowed.items():
-        if name in rows.columns:
-            found[name] = np.array(list(_numbers(path, rows, name, limits)))
-    return found
+    times = clock(path, rows.columns, rows.names, _number, _shown, utc_offset_h)
+    columns = {
+        name: np.array(list(_numbers(path, rows, name, limits)))
+        for name, limits in allowed.items()
+        if name in rows.columns
+    }
+    return Series(np.array(times.seconds, dtype=np.float64), columns, times.date)
 
 
 def _numbers(path: Path, rows: Rows, name: str, allowed: Allowed) -> Iterator[float]:
@@ -80,59 +89,12 @@ def _numbers(path: Path, rows: Rows, name: str, allowed: Allowed) -> Iterator[fl
         yield number
 
 
-def _clock(path: Path, rows: Rows) -> Array:
-    given = [name for name in TIMES if name in rows.columns]
-    if len(given) != 1:
-        said = "both" if given else "neither"
-        raise UserError(f"{path}: has {said} of the columns time_s [s] and time [ISO 8601]; one of them is needed")
-    name = given[0]
-    convert = _number if name == "time_s" else _moment
-    wanted = "a number of seconds" if name == "time_s" else "a time as 2015-03-20T06:30:00"
-    values: list[Any] = []
-    for place, value in zip(rows.names, rows.columns[name], strict=True):
-        moment = convert(value)
-        if moment is None:
-            raise UserError(f"{path}: {place}, column {name}: {_shown(value)}; allowed is {wanted}")
-        values.append(moment)
-    seconds = values if name == "time_s" else _since_midnight(path, rows, values)
-    for row in range(1, len(seconds)):
-        if seconds[row] <= seconds[row - 1]:
-            raise UserError(
-                f"{path}: {rows.names[row]}, column {name}: {_shown(rows.columns[name][row])}; allowed is a time after "
-                f"that of the row before, {_shown(rows.columns[name][row - 1])}"
-            )
-    if seconds[0] < 0.0:
-        raise UserError(f"{path}: {rows.names[0]}, column {name}: {seconds[0]:g}; allowed is 0 and above")
-    return np.array(seconds, dtype=np.float64)
-
-
-def _since_midnight(path: Path, rows: Rows, moments: Sequence[datetime.datetime]) -> list[float]:
-    first = moments[0]
-    for place, moment in zip(rows.names, moments, strict=True):
-        if (moment.tzinfo is None) != (first.tzinfo is None):
-            raise UserError(
-                f"{path}: {place}, column time: {_shown(str(moment))}; allowed are times that all have an offset from "
-                "universal time, or none"
-            )
-    midnight = first.replace(hour=0, minute=0, second=0, microsecond=0)
-    return [(moment - midnight).total_seconds() for moment in moments]
-
-
 def _number(value: Any) -> float | None:
     try:
         number = float(value)
     except (TypeError, ValueError):
         return None
     return number if math.isfinite(number) and not isinstance(value, bool) else None
-
-
-def _moment(value: Any) -> datetime.datetime | None:
-    if isinstance(value, datetime.datetime):
-        return value
-    try:
-        return datetime.datetime.fromisoformat(value.strip())
-    except (AttributeError, ValueError):
-        return None
 
 
 def _shown(value: Any) -> str:

@@ -11,6 +11,7 @@ from pipeline.bus.load import Drawn, drawn, held
 from pipeline.bus.records import HourlyLoad, LoadProfile, MeasuredLoad, Switching
 from pipeline.bus.switches import MODE_1, MODE_2, OFF, Change, charging_spans, closed, state_at
 from pipeline.converter.records import Converter, Load, PowerChain
+from pipeline.errors import UserError
 
 CHAIN = PowerChain(
     title="chain",
@@ -34,12 +35,30 @@ def test_a_constant_load_is_one_row():
     assert (found.clock_s.tolist(), found.power_w.tolist()) == ([100.0], [4.0])
 
 
-def test_a_files_rows_hold_before_the_first_and_after_the_last():
-    rows = Drawn(np.array([200.0, 400.0]), np.array([5.0, 7.0]))
+def test_a_files_rows_hold_until_the_next_and_after_the_last():
+    rows = Drawn(np.array([-100.0, 200.0, 400.0]), np.array([4.0, 5.0, 7.0]))
     load = MeasuredLoad(title="own", file="own.csv")
-    for span, times, powers in (((0, 1000), [0, 400], [5, 7]), ((500, 900), [500], [7]), ((250, 300), [250], [5])):
+    for span, times, powers in (
+        ((0, 1000), [0, 200, 400], [4, 5, 7]),
+        ((500, 9e4), [500], [7]),
+        ((250, 300), [250], [5]),
+    ):
         found = drawn(load, float(span[0]), float(span[1]), rows)
         assert (found.clock_s.tolist(), found.power_w.tolist()) == (times, powers)
+
+
+def test_a_file_that_begins_after_the_weather_is_refused():
+    rows, load = Drawn(np.array([28800.0]), np.array([5.0])), MeasuredLoad(title="own", file="own.csv")
+    with pytest.raises(UserError, match=r"own\.csv: begins 28800 s after midnight, the weather at 21600 s"):
+        drawn(load, 21600.0, 64800.0, rows)
+
+
+def test_a_files_times_of_day_come_again():
+    rows = Drawn(np.array([0.0, 28800.0]), np.array([3.0, 6.0]), repeats=True)
+    found = drawn(MeasuredLoad(title="own", file="own.csv"), 7 * 3600.0, 33 * 3600.0, rows)
+    expected = drawn(HOURS, 7 * 3600.0, 33 * 3600.0)
+    np.testing.assert_array_equal(found.clock_s, expected.clock_s)
+    np.testing.assert_array_equal(found.power_w, expected.power_w)
 
 
 def test_held_is_the_row_that_has_begun():

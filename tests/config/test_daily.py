@@ -139,6 +139,20 @@ def test_a_file_is_looked_at_before_anything_runs(tmp_path):
     assert drafted(made)["weather/clear"].settings != before
 
 
+def test_a_load_with_dates_must_be_that_of_every_day(tmp_path):
+    sun, load = tmp_path / "sun.csv", tmp_path / "load.csv"
+    sun.write_text("time,irradiance_w_m2,ambient_c\n2015-03-21T06:00,1,1\n2015-03-21T06:01,500,1\n")
+    load.write_text("time,power_w\n2015-03-20T00:00,3\n2015-03-20T09:00,5\n")
+    words = ["load@day.load=measured", f"day.load.file={load}"]
+    found = {name: node.settings["date"] for name, node in nodes(*words).items() if node.step == "daylight"}
+    assert found == {f"daylight/{name}": "2015-03-20" for name in WEATHERS}
+    assert nodes()["daylight/clear"].settings["date"] is None
+    with pytest.raises(UserError, match=r"day\.load\.file: .*load\.csv: no row on 2015-03-21, the day of the weather"):
+        study(*words, OWN, f"day.weathers.clear.file={sun}")
+    with pytest.raises(UserError, match=r"day\.weathers\.clear\.file: .*0 rows on date 2015-03-22"):
+        study(OWN, f"day.weathers.clear.file={sun}", "day.weathers.clear.date=2015-03-22")
+
+
 @pytest.mark.parametrize(
     ("words", "path"),
     [([OWN], "day.weathers.clear"), (["load@day.load=measured"], "day.load"), (["weather=measured"], "weather")],

@@ -36,7 +36,11 @@ def write(folder: Path, days: dict[str, str]) -> dict[str, Path]:
     for place, sky in enumerate(days):
         weather = folder / sky
         fill(weather, "weather.parquet", schemas_day.WEATHER, {"clock_s": clock_s, "interval_s": [600.0] * ROWS}, ROWS)
-        numbers(weather, irradiation_kwh_m2=7.0 - 5.0 * place, mean_ambient_c=20.0, gaps=0.0, gap_s=0.0)
+        missing = {"clock_s": [30600.0, 36000.0], "length_s": [300.0, 900.0], "filled": ["interpolated", "dark"]}
+        own = {name: column if place else [] for name, column in missing.items()}
+        tables.write(schemas_day.WEATHER_GAPS, own, weather / "gaps.parquet")
+        counted = {"gaps": 2.0 * place, "gap_s": 1200.0 * place, "dark_gaps": 1.0 * place, "dark_gap_s": 900.0 * place}
+        numbers(weather, irradiation_kwh_m2=7.0 - 5.0 * place, mean_ambient_c=20.0, **counted)
         inputs[f"weather/{sky}"] = weather
         for number, mode in enumerate(("cc_cv", "cv_pulse", "cv_reflex")):
             own = folder / f"{sky}.{mode}"
@@ -102,6 +106,16 @@ def test_the_tables_hold_every_day_and_mode(days, whole):
     changes = day_tables.switchings(days)
     assert len(changes.rows) == 2 * 3 * 4
     assert changes.rows[2][2:] == ("09:30:00", "Mode 2", "elapsed 3600 s", "100 %", "100 %", "5 %", 90.0)
+
+
+def test_gaps_are_listed_where_there_are_some(days, whole):
+    (found,) = day_tables.gaps(days)
+    assert found.rows == (
+        ("overcast", "08:30:00", 300.0, "interpolated"),
+        ("overcast", "10:00:00", 900.0, "dark"),
+    )
+    assert "2 gaps, 1200 s together; 1 of them, 900 s, are too long" in day_tables.text(days)
+    assert day_tables.gaps(whole) == []
 
 
 def test_the_sentences_are_computed(days):

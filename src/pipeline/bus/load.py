@@ -9,16 +9,21 @@ from numpy.typing import ArrayLike, NDArray
 
 from pipeline.bus.records import HourlyLoad, LoadProfile
 from pipeline.converter.records import Load
+from pipeline.errors import UserError
 
 Array = NDArray[np.float64]
 _DAY_S = 86400.0
 
 
 class Drawn(NamedTuple):
-    """Power over time, each row until the next: seconds since midnight [s], power [W], shape (n,) each."""
+    """Power over time, each row until the next: seconds since midnight [s], power [W], shape (n,) each.
+
+    What `repeats` is the same every day, and begins at midnight.
+    """
 
     clock_s: Array
     power_w: Array
+    repeats: bool = False
 
 
 def drawn(load: LoadProfile, from_s: float, until_s: float, measured: Drawn | None = None) -> Drawn:
@@ -28,21 +33,31 @@ def drawn(load: LoadProfile, from_s: float, until_s: float, measured: Drawn | No
     ---------
     load : the record.
     from_s, until_s : times since midnight of the first day [s]; the first row is at the first.
-    measured : what the load's file holds, where it has one; what comes before its first row draws what that row draws.
+    measured : what the load's file holds, where it has one.
+
+    Raises
+    ------
+    UserError : a file that says nothing of the first time.
     """
     if isinstance(load, Load):
         return Drawn(np.array([from_s]), np.array([load.power_w]))
     if isinstance(load, HourlyLoad):
-        days = np.arange(np.floor(from_s / _DAY_S), np.floor(until_s / _DAY_S) + 1.0)
-        clock_s = (days[:, None] * _DAY_S + [3600.0 * row.from_h for row in load.hours]).ravel()
-        found = Drawn(clock_s, np.tile([row.power_w for row in load.hours], len(days)))
+        found = Drawn(
+            np.array([3600.0 * row.from_h for row in load.hours]), np.array([row.power_w for row in load.hours]), True
+        )
     elif measured is None:
         raise ValueError(f"load {load.title!r} needs the rows of its file, {load.file}")
     else:
-        # As the weather, a file begins within its first day.
-        first_day_s = np.floor(measured.clock_s[0] / _DAY_S) * _DAY_S
-        found = Drawn(measured.clock_s - first_day_s, measured.power_w)
-    first = max(0, int(np.searchsorted(found.clock_s, from_s, side="right")) - 1)
+        found = measured
+        if found.clock_s[0] > from_s:
+            raise UserError(
+                f"{load.file}: begins {found.clock_s[0]:g} s after midnight, the weather at {from_s:g} s; allowed is a "
+                "first row no later than that"
+            )
+    if found.repeats:
+        days = np.arange(np.floor(from_s / _DAY_S), np.floor(until_s / _DAY_S) + 1.0)
+        found = Drawn((days[:, None] * _DAY_S + found.clock_s).ravel(), np.tile(found.power_w, len(days)))
+    first = int(np.searchsorted(found.clock_s, from_s, side="right")) - 1
     last = max(first + 1, int(np.searchsorted(found.clock_s, until_s, side="left")))
     clock_s = found.clock_s[first:last].copy()
     clock_s[0] = from_s

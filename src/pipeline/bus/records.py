@@ -37,11 +37,22 @@ class HourlyLoad(Record):
 
 
 class MeasuredLoad(Record):
-    """A CSV or Parquet file: time_s or time (ISO 8601), power_w; each row holds until the next, the last one on."""
+    """A CSV or Parquet file: time_s or time (ISO 8601), power_w; each row holds until the next, the last one on.
+
+    With times of day it is the same every day and begins at midnight; with dates it has rows on the day of the weather,
+    and one no later than the weather's first.
+    """
 
     kind: Literal["table"] = "table"
     title: str = Field(min_length=1, description="name of the load, for people")
     file: str = Field(description="CSV or Parquet file; relative paths start from the working folder")
+    utc_offset_h: float | None = Field(
+        default=None,
+        ge=-12,
+        le=14,
+        description="local time less universal time, for a file whose times carry an offset; without, they are local "
+        "as they stand there [h]",
+    )
 
 
 def _kind(value: Any) -> str:

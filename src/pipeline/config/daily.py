@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+from contextlib import contextmanager
 from typing import TYPE_CHECKING
 
 from pipeline import own_series
@@ -32,14 +34,15 @@ def check(study: Study) -> None:
     UserError : with the key path, and below it what the file says.
     """
     if study.weather is not None:
-        _file("weather", study.weather)
+        _weather_file("weather", study.weather)
     if study.day is None:
         return
     if study.panel is None:
         raise UserError("day: a study without a panel has no day in the sun; leave it out with ~day")
     for name, weather in study.day.weathers.items():
-        _file(f"day.weathers.{name}", weather)
-    _file("day.load", study.day.load)
+        _weather_file(f"day.weathers.{name}", weather)
+    for weather in study.day.weathers.values():
+        _load_file("day.load", study.day.load, weather)
     for mode in study.day.modes:
         if mode not in study.run:
             raise UserError(f"day.modes: no mode {mode!r} among those that are run; {best_matches(mode, study.run)}")
@@ -57,11 +60,21 @@ def check(study: Study) -> None:
             ) from None
 
 
-def _file(path: str, record: Weather | LoadProfile) -> None:
+def _weather_file(path: str, weather: Weather) -> None:
+    with _named(path, weather):
+        own_series.weather_rows(weather)
+
+
+def _load_file(path: str, load: LoadProfile, weather: Weather) -> None:
+    with _named(path, load):
+        own_series.load_rows(load, own_series.date_of(weather))
+
+
+@contextmanager
+def _named(path: str, record: Weather | LoadProfile) -> Iterator[None]:
     if isinstance(record, MeasuredWeather | MeasuredLoad) and not record.file:
         raise UserError(f"{path}.file: no file is named; give a CSV or Parquet file, {path}.file=FILE")
     try:
-        own_series.weather_rows(record)  # type: ignore[arg-type]
-        own_series.load_rows(record)  # type: ignore[arg-type]
+        yield
     except UserError as error:
         raise UserError(f"{path}.file: {error}") from None

@@ -96,6 +96,27 @@ def switchings(data: ReportData) -> ReportTable:
     )
 
 
+def gaps(data: ReportData) -> list[ReportTable]:
+    """Return the table of the gaps in files of measured weather; none where there are none."""
+    rows: list[tuple[Cell, ...]] = []
+    for name, title in weathers(data).items():
+        found = data.table(f"weather/{name}", "weather_gaps")
+        for start_s, length_s, filled in zip(found["clock_s"], found["length_s"], found["filled"], strict=True):
+            rows.append((title, clock(float(start_s)), plain(length_s), str(filled)))
+    if not rows:
+        return []
+    return [
+        ReportTable(
+            "day_gaps",
+            "Gaps in measured weather",
+            "Stretches of the file for which no row holds, and what stands in for them.",
+            ("day", "from, local time", "length / s", "filled"),
+            tuple(rows),
+            grouped=True,
+        )
+    ]
+
+
 def clock(seconds: float) -> str:
     """Return seconds since midnight as hours, minutes and seconds."""
     whole = round(seconds) % 86400
@@ -123,7 +144,8 @@ def text(data: ReportData) -> str:
         )
         if sky.get("gaps"):
             sentences.append(
-                f"Its file has {sky['gaps']:.0f} gaps, {sky['gap_s']:.0f} s together, which count as dark."
+                f"Its file has {sky['gaps']:.0f} gaps, {sky['gap_s']:.0f} s together; {sky['dark_gaps']:.0f} of them, "
+                f"{sky['dark_gap_s']:.0f} s, are too long to be interpolated and count as dark."
             )
     sentences.append(
         "The load is served first, and nothing leads from the battery back to the bus: what the sun does not give the "

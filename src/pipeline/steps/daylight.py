@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import datetime
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
@@ -31,7 +32,8 @@ def run(settings: Mapping[str, Any], inputs: Mapping[str, Path], output: Path) -
     clock_s, end_s = float(rows["clock_s"][0]), float(rows["time_s"][-1] + rows["interval_s"][-1])
     sky = Sky(rows["time_s"], rows["irradiance_w_m2"], rows["ambient_c"], rows["cell_temperature_c"], clock_s, end_s)
     profile: LoadProfile = TypeAdapter(LoadProfile).validate_python(own_series.without_digest(settings["load"]))
-    load = drawn(profile, clock_s, clock_s + end_s, own_series.load_rows(profile))
+    date = None if settings["date"] is None else datetime.date.fromisoformat(settings["date"])
+    load = drawn(profile, clock_s, clock_s + end_s, own_series.load_rows(profile, date))
     found = sunlight(sky, load, panel, diode, _tracking(settings, panel, diode, chain), chain)
     columns = {name: column for name, column in found._asdict().items() if name != "could"}
     columns |= found.could._asdict() | {"clock_s": found.time_s + clock_s}

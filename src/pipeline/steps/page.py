@@ -124,7 +124,7 @@ def _days(data: ReportData, figures: list[PageFigure]) -> list[PageSection]:
     """Return the section on days in the sun; none where the run has none."""
     if not day_tables.weathers(data):
         return []
-    shown = [day_tables.numbers(data), day_tables.switchings(data)]
+    shown = [day_tables.numbers(data), day_tables.switchings(data), *day_tables.gaps(data)]
     title = f"From sun to battery: {data.settings['day']['title']}"
     return [PageSection("days-in-the-sun", title, day_tables.text(data), shown, figures)]
 

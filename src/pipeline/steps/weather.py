@@ -10,9 +10,10 @@ import numpy as np
 from pydantic import TypeAdapter
 
 from pipeline import own_series, quantity, schemas, schemas_day, tables
+from pipeline.weather.measured import Gap
 from pipeline.weather.records import Weather
 from pipeline.weather.sky import sky_of
-from pipeline.weather.summary import quantities
+from pipeline.weather.summary import gaps_within, quantities
 
 
 def run(settings: Mapping[str, Any], inputs: Mapping[str, Path], output: Path) -> None:
@@ -36,8 +37,13 @@ def run(settings: Mapping[str, Any], inputs: Mapping[str, Path], output: Path) -
     columns = {name: np.asarray(column)[rows] for name, column in columns.items()}
     columns["interval_s"] = np.diff(columns["time_s"], append=end_s)
     found = quantities(weather, columns, measured)
-    for one in found:
-        if one.name == "gaps" and one.value > 0:
-            print(f"weather {settings['weather']['title']}: {one.value:g} gaps in its file count as dark", flush=True)
+    missing = gaps_within(weather, columns, measured)
+    for gap in missing:
+        print(
+            f"weather {settings['weather']['title']}: gap of {gap.length_s:g} s in its file, {gap.clock_s:g} s after "
+            f"midnight, {gap.filled}"
+        )
+    listed = {name: [getattr(gap, name) for gap in missing] for name in Gap._fields}
+    tables.write(schemas_day.WEATHER_GAPS, listed, output / "gaps.parquet")
     tables.write(schemas_day.WEATHER, columns, output / "weather.parquet")
     tables.write(schemas.QUANTITIES, quantity.columns(found), output / "quantities.parquet")

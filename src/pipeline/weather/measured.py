@@ -13,44 +13,65 @@ from pipeline.weather.sky import Measured, Sky
 
 Array = NDArray[np.float64]
 
+INTERPOLATED, DARK = "interpolated", "dark"
+_LATE = 1.5
+"""A row is missing where the next one comes later than so many usual distances."""
+
 
 class Gap(NamedTuple):
-    """A stretch for which no row holds, seconds since midnight of the first day."""
+    """A stretch for which no row holds: start since midnight and length [s], and what stands in for it."""
 
-    start_s: float
+    clock_s: float
     length_s: float
+    filled: str
+
+
+def usual_interval_s(measured: Measured) -> float:
+    """Return the median distance of two rows, for which each of them holds [s]."""
+    return float(np.median(np.diff(measured.clock_s)))
 
 
 def gaps(measured: Measured, longest_gap_s: float) -> list[Gap]:
-    """Return where rows lie farther apart than a row holds; the rest of such a stretch is the gap."""
-    steps = np.diff(measured.clock_s)
-    rows = np.flatnonzero(steps > longest_gap_s)
-    return [Gap(float(measured.clock_s[row] + longest_gap_s), float(steps[row] - longest_gap_s)) for row in rows]
+    """Return where rows are missing; up to the longest gap they are interpolated, beyond it the gap is dark."""
+    usual_s, steps = usual_interval_s(measured), np.diff(measured.clock_s)
+    found = []
+    for row in np.flatnonzero(steps > _LATE * usual_s).tolist():
+        length_s = float(steps[row]) - usual_s
+        filled = INTERPOLATED if length_s <= longest_gap_s else DARK
+        found.append(Gap(float(measured.clock_s[row]) + usual_s, length_s, filled))
+    return found
 
 
 def filled(weather: MeasuredWeather, measured: Measured) -> Sky:
-    """Return measured weather as columns, a dark row for each gap; the last row is as long as most.
+    """Return measured weather as columns, rows put into its gaps at the usual distance.
+
+    There air and wind are interpolated, and so is the light in short gaps; in long ones it is dark.
 
     Arguments
     ---------
     weather : the record.
     measured : at least two rows of its file.
     """
+    usual_s = usual_interval_s(measured)
     missing = gaps(measured, weather.longest_gap_s)
-    clock_s = np.concatenate([measured.clock_s, [gap.start_s for gap in missing]])
-    order = np.argsort(clock_s, kind="stable")
-    before = np.maximum.accumulate(np.where(order < len(measured.clock_s), order, -1))
-    dark = order >= len(measured.clock_s)
-    irradiance = np.where(dark, 0.0, np.maximum(0.0, measured.irradiance_w_m2[before]))
-    ambient = measured.ambient_c[before]
-    wind = weather.wind_m_s if measured.wind_m_s is None else measured.wind_m_s[before]
-    time_s = clock_s[order] - measured.clock_s[0]
-    last_s = min(float(np.median(np.diff(measured.clock_s))), weather.longest_gap_s)
+    put_in = [gap.clock_s + np.arange(0.0, gap.length_s - 1e-6 * usual_s, usual_s) for gap in missing]
+    clock_s = np.sort(np.concatenate([measured.clock_s, *put_in]))
+
+    def column(values: Array) -> Array:
+        return np.asarray(np.interp(clock_s, measured.clock_s, values), dtype=np.float64)
+
+    irradiance = column(np.maximum(0.0, measured.irradiance_w_m2))
+    for gap, times in zip(missing, put_in, strict=True):
+        if gap.filled == DARK:
+            irradiance[np.isin(clock_s, times)] = 0.0
+    ambient = column(measured.ambient_c)
+    wind = weather.wind_m_s if measured.wind_m_s is None else column(measured.wind_m_s)
+    time_s = clock_s - clock_s[0]
     return Sky(
         time_s,
         irradiance,
         ambient,
         cell_temperature_c(weather.cell_temperature, irradiance, ambient, wind),
-        float(measured.clock_s[0]) % 86400.0,
-        float(time_s[-1]) + last_s,
+        float(clock_s[0]),
+        float(time_s[-1]) + usual_s,
     )

@@ -5,12 +5,25 @@ from __future__ import annotations
 import datetime
 from typing import Annotated, Literal, TypeAlias
 
-from pydantic import Field, field_validator, model_validator
+from pydantic import AfterValidator, Field, model_validator
 
 from pipeline.panel.records import ConstantWeather
 from pipeline.record import Record
 
 _MOST_OFF_H = 4.0
+
+
+def _is_a_date(date: str) -> str:
+    try:
+        usual = datetime.date.fromisoformat(date).isoformat() == date
+    except ValueError:
+        usual = False
+    if not usual:
+        raise ValueError(f"date is {date!r}; it must be a day as YYYY-MM-DD, e.g. 2015-03-20")
+    return date
+
+
+Date = Annotated[str, AfterValidator(_is_a_date)]
 
 
 class SapmCells(Record):
@@ -88,23 +101,12 @@ class ClearSky(Record):
     kind: Literal["clear_sky"] = "clear_sky"
     title: str = Field(min_length=1, description="name of the weather, for people")
     place: Place
-    date: str = Field(description="date of the day, YYYY-MM-DD")
+    date: Date = Field(description="date of the day, YYYY-MM-DD")
     surface: Surface
     linke_turbidity: float = Field(ge=1, le=10, description="Linke turbidity, clear dry air being 1 to 2 [1]")
     air: Air
     cell_temperature: Cells
     interval_s: float = Field(default=60.0, ge=1, le=3600, description="interval over which the sun stands still [s]")
-
-    @field_validator("date")
-    @classmethod
-    def _is_a_date(cls, date: str) -> str:
-        try:
-            usual = datetime.date.fromisoformat(date).isoformat() == date
-        except ValueError:
-            usual = False
-        if not usual:
-            raise ValueError(f"date is {date!r}; it must be a day as YYYY-MM-DD, e.g. 2015-03-20")
-        return date
 
     @model_validator(mode="after")
     def _whole_day(self) -> ClearSky:
@@ -141,13 +143,27 @@ class CloudySky(ClearSky):
 
 
 class MeasuredWeather(Record):
-    """A CSV or Parquet file: time_s or time (ISO 8601), irradiance_w_m2 on the panel, ambient_c, perhaps wind_m_s."""
+    """A CSV or Parquet file: time_s or time (ISO 8601), irradiance_w_m2 on the panel, ambient_c, perhaps wind_m_s.
+
+    It is one local day; each row holds from its time on, for the usual distance of two rows.
+    """
 
     kind: Literal["table"] = "table"
     title: str = Field(min_length=1, description="name of the weather, for people")
     file: str = Field(description="CSV or Parquet file; relative paths start from the working folder")
+    date: Date | None = Field(
+        default=None,
+        description="local day that is taken of the file, needed where it has several; day of a file of times of day",
+    )
+    utc_offset_h: float | None = Field(
+        default=None,
+        ge=-12,
+        le=14,
+        description="local time less universal time, for a file whose times carry an offset; without, they are local "
+        "as they stand there [h]",
+    )
     longest_gap_s: float = Field(
-        default=1800.0, gt=0, description="time for which a row holds; what is missing beyond it counts as dark [s]"
+        default=600.0, ge=0, description="longest gap in the file that is interpolated; a longer one is dark [s]"
     )
     wind_m_s: float = Field(ge=0, le=40, description="wind at the panel where the file has none [m/s]")
     cell_temperature: Cells

@@ -33,7 +33,7 @@ class Sky(NamedTuple):
 
 
 class Measured(NamedTuple):
-    """What a file holds: seconds since midnight of its first day, shape (n,); no wind where it has none."""
+    """What a file holds of its day: seconds since midnight, shape (n,); no wind where it has none."""
 
     clock_s: Array
     irradiance_w_m2: Array

@@ -7,11 +7,19 @@ from collections.abc import Mapping
 import numpy as np
 
 from pipeline.quantity import Quantity
-from pipeline.weather.measured import gaps
+from pipeline.weather.measured import DARK, Gap, gaps
 from pipeline.weather.records import MeasuredWeather, Weather
 from pipeline.weather.sky import Array, Measured
 
 _JOULE_PER_KWH = 3.6e6
+
+
+def gaps_within(weather: Weather, columns: Mapping[str, Array], measured: Measured | None) -> list[Gap]:
+    """Return the gaps of a weather's file that begin within its columns; arguments as for `quantities`."""
+    if measured is None or not isinstance(weather, MeasuredWeather):
+        return []
+    until_s = float(columns["time_s"][-1] + columns["interval_s"][-1] + measured.clock_s[0])
+    return [gap for gap in gaps(measured, weather.longest_gap_s) if gap.clock_s < until_s]
 
 
 def quantities(weather: Weather, columns: Mapping[str, Array], measured: Measured | None) -> list[Quantity]:
@@ -22,14 +30,9 @@ def quantities(weather: Weather, columns: Mapping[str, Array], measured: Measure
     columns : those of the table WEATHER.
     measured : the rows of its file, where it has one.
     """
-    lengths = columns["interval_s"]
-    until_s = float(columns["time_s"][-1] + lengths[-1])
-    irradiance = columns["irradiance_w_m2"]
-    missing = (
-        []
-        if measured is None or not isinstance(weather, MeasuredWeather)
-        else [gap for gap in gaps(measured, weather.longest_gap_s) if gap.start_s - measured.clock_s[0] < until_s]
-    )
+    lengths, irradiance = columns["interval_s"], columns["irradiance_w_m2"]
+    missing = gaps_within(weather, columns, measured)
+    dark = [gap for gap in missing if gap.filled == DARK]
     energy = float(np.sum(irradiance * lengths)) / _JOULE_PER_KWH
     return [
         Quantity("irradiation_kwh_m2", energy, "kWh/m2", "energy of the light on the panel"),
@@ -41,4 +44,6 @@ def quantities(weather: Weather, columns: Mapping[str, Array], measured: Measure
         ),
         Quantity("gaps", float(len(missing)), "1", "stretches of the file for which no row holds"),
         Quantity("gap_s", float(sum(gap.length_s for gap in missing)), "s", "their length together"),
+        Quantity("dark_gaps", float(len(dark)), "1", "those too long to be interpolated, taken as dark"),
+        Quantity("dark_gap_s", float(sum(gap.length_s for gap in dark)), "s", "their length together"),
     ]
