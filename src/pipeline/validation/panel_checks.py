@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import warnings
 from collections.abc import Mapping
 from typing import Any
 
@@ -13,33 +12,36 @@ from pipeline.panel.database import PanelEntry, look_up, names
 from pipeline.panel.maximum_power import maximum_power
 from pipeline.panel.records import Panel
 from pipeline.panel.single_diode import SingleDiode, fit
-from pipeline.validation.records import Curve, Found, at_most, largest
+from pipeline.validation import panel_day
+from pipeline.validation.records import Curve, Found, at_least, at_most, largest
 
 Array = NDArray[np.float64]
 
 MODULES, CONDITIONS, SEED = 50, 20, 20150401
 POWER_BOUND, ENERGY_BOUND = 1e-6, 5e-3
-_MODULE = "Kyocera_Solar_KC130GT"
-_PLACE = {"latitude": 23.0, "longitude": 120.2, "tz": "Asia/Taipei", "altitude": 20.0}
-_FAIMAN = {"u0": 25.0, "u1": 6.84}
-_TURBIDITY, _AIR_C, _WIND_M_S, _TILT_DEG = 4.0, 25.0, 2.0, 23.0
 
 
 def check(settings: Mapping[str, Any]) -> Found:
-    """Return both checks, and the differences over irradiance and over the day."""
+    """Return both checks, mistakes that the day must show, and the differences over irradiance and over the day."""
     irradiance, power = maximum_power_differences()
-    hours, ours, theirs = day_of_power()
-    most = float(theirs.max())
-    energy = abs(float(ours.sum() / theirs.sum()) - 1.0)
+    panel, diode = _known(panel_day.MODULE)
+    ours, theirs = panel_day.ours_w(panel, diode), panel_day.theirs_w()
+    energy, minute = panel_day.difference(ours, theirs)
+    hours, over_most = np.arange(panel_day.MINUTES) / 60.0, (ours - theirs) / float(theirs.max())
     up = "difference [1]"
+    rows = [
+        at_most(f"maximum power, {MODULES} modules in {CONDITIONS} conditions each", largest(power), POWER_BOUND),
+        at_most("energy of a clear day, against pvlib's ModelChain", energy, ENERGY_BOUND),
+        at_most("power of every minute of it, over its most", minute, ENERGY_BOUND),
+    ]
+    for mistake, changes in panel_day.MISTAKES.items():
+        wrong = panel_day.ours_w(panel, diode, panel_day.with_mistake(changes))
+        rows.append(at_least(f"mistake: {mistake}", max(panel_day.difference(wrong, theirs)), ENERGY_BOUND))
     return Found(
-        [
-            at_most(f"maximum power, {MODULES} modules in {CONDITIONS} conditions each", largest(power), POWER_BOUND),
-            at_most("energy of a clear day, against pvlib's ModelChain", energy, ENERGY_BOUND),
-        ],
+        rows,
         [
             Curve("maximum power over pvlib's", f"{MODULES} modules", "irradiance [W/m²]", up, irradiance, power),
-            Curve("power on a clear day over its most", "ModelChain", "time [h]", up, hours, (ours - theirs) / most),
+            Curve("power on a clear day over its most", "ModelChain", "time [h]", up, hours, over_most),
         ],
     )
 
@@ -68,64 +70,6 @@ def maximum_power_differences() -> tuple[Array, Array]:
         found[row] = maximum_power(panel, diode, light, cells).max_power_w / theirs - 1.0
     order = np.argsort(irradiance, axis=None)
     return irradiance.ravel()[order], found.ravel()[order]
-
-
-def day_of_power() -> tuple[Array, Array, Array]:
-    """Return the minutes of a clear day [h], and the power of a panel by the project and by pvlib's ModelChain [W].
-
-    Both are given the irradiance in the panel's plane, the air and the wind; cells warm by Faiman's law, of which ours
-    is written down here.
-    """
-    from pvlib.modelchain import ModelChain
-    from pvlib.pvsystem import PVSystem, retrieve_sam
-
-    weather, location = _clear_day()
-    poa = weather["poa_global"].to_numpy()
-    cells = _AIR_C + poa / (_FAIMAN["u0"] + _FAIMAN["u1"] * _WIND_M_S)
-    panel, diode = _known(_MODULE)
-    ours = maximum_power(panel, diode, poa, cells).max_power_w
-    system = PVSystem(
-        surface_tilt=_TILT_DEG,
-        surface_azimuth=180.0,
-        module_parameters=retrieve_sam("CECMod")[_MODULE].to_dict(),
-        inverter_parameters={"pdc0": 1e6},
-        temperature_model_parameters=_FAIMAN,
-    )
-    chain = ModelChain(
-        system,
-        location,
-        dc_model="cec",
-        ac_model="pvwatts",
-        aoi_model="no_loss",
-        spectral_model="no_loss",
-        temperature_model="faiman",
-        losses_model="no_loss",
-    )
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore")  # those of pandas and scipy inside pvlib
-        chain.run_model_from_poa(weather)
-    theirs = chain.results.dc["p_mp"].fillna(0.0).to_numpy()
-    return np.arange(len(poa)) / 60.0, ours, theirs
-
-
-def _clear_day() -> tuple[Any, Any]:
-    """Return a clear day minute by minute in the plane of the panel, and the place, both as pvlib has them."""
-    import pandas as pd
-    from pvlib.irradiance import get_total_irradiance
-    from pvlib.location import Location
-
-    location = Location(**_PLACE)
-    times = pd.date_range("2015-04-01", periods=1440, freq="1min", tz=str(_PLACE["tz"]))
-    sun = location.get_solarposition(times)
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore")  # those of pandas and scipy inside pvlib
-        sky = location.get_clearsky(times, solar_position=sun, linke_turbidity=_TURBIDITY)
-    total = get_total_irradiance(
-        _TILT_DEG, 180.0, sun["apparent_zenith"], sun["azimuth"], sky["dni"], sky["ghi"], sky["dhi"]
-    )
-    columns = ("poa_global", "poa_direct", "poa_diffuse")
-    weather = total[list(columns)].fillna(0.0).clip(lower=0.0)
-    return weather.assign(temp_air=_AIR_C, wind_speed=_WIND_M_S), location
 
 
 def _known(name: str) -> tuple[Panel, SingleDiode]:

@@ -66,7 +66,8 @@ CHECKS: dict[str, Check] = {
         "The panel against pvlib",
         "Maximum power of modules drawn by a fixed seed from the CEC database, at random irradiances from 20 to "
         "1200 W/m\u00b2 and cells from -20 to 80 \u00b0C, against pvlib's bracketed solver; and a clear day, minute by "
-        "minute, against the DC output of its ModelChain with the same irradiance, air and wind.",
+        "minute, from the place of the sun to the power through the rooms that a day in the sun goes through, against "
+        "the DC output of its ModelChain from its own clear sky. Then mistakes put in, which the day must show.",
     ),
 }
 
