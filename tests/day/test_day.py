@@ -54,6 +54,29 @@ def test_a_pause_stops_the_clock_of_a_phase():
     assert found.changes[1].reason == "surplus below 1 W"
 
 
+def test_the_time_at_the_full_current_is_that_of_the_trace():
+    """Steady: what is at the full current has it from its lowest to its highest; samples that change are either."""
+    found = day("cc_cv", sun([40.0] * 4 + [12.0] * 4 + [40.0] * 12))
+    lengths = np.diff(found.trace["Test Time / s"], prepend=0.0)
+    full_a = found.trace["current_max_a"].max()
+    full = found.trace["current_min_a"] > full_a * (1.0 - 1e-9)
+    mixed = ~full & (found.trace["current_max_a"] > full_a * (1.0 - 1e-9))
+    assert lengths[full].sum() >= 2400.0
+    assert 0.0 <= found.current_limited_s - lengths[full].sum() <= lengths[mixed].sum()
+    shares = found.current_limited_s + found.voltage_limited_s + found.supply_limited_s
+    assert shares == pytest.approx(found.changes[-1].time_s, rel=1e-9)
+
+
+@pytest.mark.parametrize("driver", ["edge", "averaged"])
+def test_pulses_are_at_the_full_current_for_their_share(driver):
+    """A millisecond of bulk, then 90 % of each fifth of a second; discharge and rest are no time of charging."""
+    phases = {"bulk": PULSES["bulk"], "reflex": {"reflex": {}}}
+    engine = EngineSettings(driver=driver)
+    found = day("cv_reflex", sun([1e3], interval_s=600.0), engine=engine, frequency_hz=5.0, phases=phases)
+    assert found.current_limited_s == pytest.approx(1e-3 + 0.9 * 600.0, rel=1e-9)
+    assert found.voltage_limited_s == found.supply_limited_s == 0.0
+
+
 def test_the_switches_of_a_pulsing_mode():
     change = day("cv_reflex", sun([30.0] * 8)).changes[-1]
     assert (change.closed.s2, change.closed.s3, change.closed.s4) == pytest.approx((1.0, 0.9, 0.05))

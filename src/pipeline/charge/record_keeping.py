@@ -47,15 +47,16 @@ from pipeline.jit import inlined, kernel
     ENERGY_OUT,
     VOLTAGE_LIMITED_S,
     SUPPLY_LIMITED_S,
+    CURRENT_LIMITED_S,
     SUMS,
-) = range(8)
+) = range(9)
 LOWEST_V, HIGHEST_V, LOWEST_A, HIGHEST_A = range(4)
 
 SAMPLE_COLUMNS = 17
 PHASE_COLUMNS = 8
 WAVEFORM_COLUMNS = 6
 POINTS_PER_SEGMENT = 24
-# A stop at a mark ends the charge within this of it.
+# A stop at a mark ends the charge within this of it; a rest takes in less of the capacity in a second.
 _ROUNDING = 1e-12
 
 
@@ -85,6 +86,8 @@ def add_step(cell: Cell, run: Run, book: Book, length_s: float) -> None:
         sums[VOLTAGE_LIMITED_S] += length_s
     elif run.control == POWER_CONTROL:
         sums[SUPPLY_LIMITED_S] += length_s
+    elif gain[CHARGE] > _ROUNDING * cell.charge_as * length_s:
+        sums[CURRENT_LIMITED_S] += length_s
     for n in range(PAIR_HEAT + cell.pairs + cell.acceptance):
         book.recent_gains[n] += gain[n]
     v, a, t = at[TERMINAL_V], at[TOTAL], at[T]
@@ -100,6 +103,8 @@ def add_plain(cell: Cell, run: Run, book: Book, current: float, length_s: float,
     """Add a segment crossed in closed form to the sums since the last sample."""
     gain, gains, extremes = run.gain, book.recent_gains, book.extremes
     _add_charge(run, book, length_s)
+    if current > 0.0:
+        book.sums[CURRENT_LIMITED_S] += length_s
     for n in (CHARGE, VOLTAGE_TIME, ELECTRICAL, SERIES_HEAT, REVERSIBLE_HEAT, TO_AMBIENT):
         gains[n] += gain[n]
     if cell.side == 1:

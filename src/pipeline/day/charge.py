@@ -22,7 +22,13 @@ from pipeline.charge.energy import balance
 from pipeline.charge.period import TICK, new_clock
 from pipeline.charge.program import compile_program
 from pipeline.charge.protocol import Course, resolve
-from pipeline.charge.record_keeping import CHARGE_IN, CHARGE_OUT, SUPPLY_LIMITED_S, VOLTAGE_LIMITED_S
+from pipeline.charge.record_keeping import (
+    CHARGE_IN,
+    CHARGE_OUT,
+    CURRENT_LIMITED_S,
+    SUPPLY_LIMITED_S,
+    VOLTAGE_LIMITED_S,
+)
 from pipeline.charge.records import ChargeSettings, EngineSettings, Mode
 from pipeline.charge.simulate import Outcome, Supply, launch, new_book, resting_run, trace
 from pipeline.charge.state import DEPTH, TEMPERATURE
@@ -56,13 +62,15 @@ class Surroundings(NamedTuple):
 class DayCharge:
     """What came of a day: the engine's trace, the changes of state, the battery's energies, the longest stays.
 
-    `charging_s` is the time for which charging parts of waveforms lasted, all pauses left out.
+    `charging_s` is the time for which charging parts of waveforms lasted by their sheet, all pauses left out; the three
+    times beside it are what the engine spent in each control while it charged.
     """
 
     trace: Mapping[str, Any]
     changes: list[Change]
     energy: Mapping[str, Any]
     charging_s: float
+    current_limited_s: float
     voltage_limited_s: float
     supply_limited_s: float
     peak_temperature_c: float
@@ -137,6 +145,7 @@ def charge_over_day(
         changes=log.changes,
         energy=balance(cell, book.gains, start, run["state"], tuple(battery.pairs)),
         charging_s=log.charging_s,
+        current_limited_s=float(book.totals[CURRENT_LIMITED_S]),
         voltage_limited_s=float(book.totals[VOLTAGE_LIMITED_S]),
         supply_limited_s=float(book.totals[SUPPLY_LIMITED_S]),
         charge_in_ah=float(book.totals[CHARGE_IN]) / 3600.0,

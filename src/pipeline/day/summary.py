@@ -12,7 +12,6 @@ from pipeline.day.columns import Columns, Stage
 from pipeline.quantity import Quantity
 
 _JOULE_PER_WH = 3600.0
-_ROUNDING = 1e-9
 
 
 def quantities(charge: DayCharge, found: Columns, parts: Sequence[Stage]) -> list[Quantity]:
@@ -28,8 +27,6 @@ def quantities(charge: DayCharge, found: Columns, parts: Sequence[Stage]) -> lis
     whole_j = max(energy["sun"], 1.0)
     ended = [change.time_s for change in charge.changes if change.after == ENDED]
     unserved = float(np.sum((found["load_w"] - found["served_w"]) * found["interval_s"]))
-    rest_s = charge.charging_s - charge.voltage_limited_s - charge.supply_limited_s
-    current_s = rest_s if rest_s > _ROUNDING * charge.charging_s else 0.0
     clock_s = float(found["clock_s"][0] - found["time_s"][0])
     return [
         Quantity("end_soc", charge.end_soc, "1", "state of charge at last light"),
@@ -38,7 +35,7 @@ def quantities(charge: DayCharge, found: Columns, parts: Sequence[Stage]) -> lis
         ),
         Quantity("ended_clock_s", ended[0] + clock_s if ended else np.nan, "s", "the same since midnight"),
         Quantity("charging_s", charge.charging_s, "s", "time in charging parts of the waveforms"),
-        Quantity("current_limited_s", current_s, "s", "of it at the current limit"),
+        Quantity("current_limited_s", charge.current_limited_s, "s", "of it at the full current that is asked for"),
         Quantity("voltage_limited_s", charge.voltage_limited_s, "s", "of it with the voltage held at its limit"),
         Quantity("supply_limited_s", charge.supply_limited_s, "s", "of it with the supply at its limit"),
         Quantity("charge_in_ah", charge.charge_in_ah, "Ah", "charge put in, discharge pulses not subtracted"),
