@@ -104,7 +104,6 @@ def test_what_a_change_touches(word, changed):
             ["day.weathers.clear.place.longitude_deg=-100"],
             r"utc_offset_h is 8 h at longitude_deg -100, .* allowed are 4 h",
         ),
-        (["+modes.cc_cv.stop.voltage_drop_v=0.02"], r"modes\.cc_cv\.stop\.voltage_drop_v: .*out of day\.modes"),
         (["day.weathers.clear.place.latitude_deg=95"], r"place\.latitude_deg: .*less than or equal to 90"),
         (["day.weathers.clear.interval_s=7"], r"interval_s is 7 s; it must divide a day"),
         (["day.weathers.half_cloudy.clouds.transmittance=0.9"], r"transmittance x \(1 \+ spread\) is 1.26"),

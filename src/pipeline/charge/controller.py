@@ -19,8 +19,9 @@ from pipeline.jit import kernel
 Array = NDArray[np.float64]
 
 NETWORK, RATE_SWITCH = range(2)
-# What is held from sample to sample: the current decided last, whether the rule has switched, samples taken.
-_DECIDED, _SWITCHED, _TAKEN = range(3)
+# What is held from sample to sample: the current decided last, whether the rule has switched, samples taken, and how
+# many of them before the current was last interrupted.
+_DECIDED, _SWITCHED, _TAKEN, _BEFORE = range(4)
 
 
 class Control(NamedTuple):
@@ -81,7 +82,7 @@ def _control(law: int, network: Network, values: dict[str, float], capacity_ah: 
         values.get("temperature_step_k", 0.0),
         deviation * stream.standard_normal(samples) if deviation > 0.0 else np.zeros(1),
         np.zeros(span + 1),
-        np.zeros(3),
+        np.zeros(4),
     )
 
 
@@ -89,28 +90,33 @@ def _control(law: int, network: Network, values: dict[str, float], capacity_ah: 
 def begin(control: Control) -> None:
     """Start a phase: nothing has been read or decided in it."""
     control.held[_DECIDED] = control.held[_SWITCHED] = 0.0
-    control.held[_TAKEN] = 0.0
+    control.held[_TAKEN] = control.held[_BEFORE] = 0.0
+
+
+def interrupt(control: Control) -> None:
+    """Let the next sample be as the first of a phase, for a pause lies before it; a rule that has switched stays so."""
+    control.held[_BEFORE] = control.held[_TAKEN]
 
 
 @kernel
 def next_current(control: Control, temperature_k: float) -> float:
     """Read the sensor, decide a current for the next sample, and return the one decided at the last [A].
 
-    The first sample of a phase has no other before it: its current is applied at once.
+    The first sample of a phase, or after a pause, has no other before it: its current is applied at once.
     """
     held, readings = control.held, control.readings
-    taken = int(held[_TAKEN])
+    taken, since = int(held[_TAKEN]), int(held[_TAKEN] - held[_BEFORE])
     reading = temperature_k - ZERO_CELSIUS_K + control.noise_k[taken % len(control.noise_k)]
     if control.step_k > 0.0:
         reading = control.step_k * math.floor(reading / control.step_k + 0.5)
     places = len(readings)
     readings[taken % places] = reading
-    back = min(taken, control.span)
+    back = min(since, control.span)
     rate = 0.0
     if back > 0:
         rate = (reading - readings[(taken - back) % places]) / (back * control.interval_s)
     decided = _law(control, reading, rate)
-    applied = held[_DECIDED] if taken > 0 else decided
+    applied = held[_DECIDED] if since > 0 else decided
     held[_DECIDED] = decided
     held[_TAKEN] = taken + 1
     return float(applied)

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from pipeline.cell.circuit import Cell
 from pipeline.charge.averaged import begin_strides, next_periods
 from pipeline.charge.controller import Control, begin, next_current
-from pipeline.charge.period import EXHAUSTED, Clock, run_periods
+from pipeline.charge.period import EXHAUSTED, TICK, Clock, run_periods
 from pipeline.charge.program import Program
 from pipeline.charge.record_keeping import Book, reset_extremes, take_sample
 from pipeline.charge.segment import EDGE, FAILED, LIMITS, NOTHING
@@ -66,16 +66,21 @@ def run_program(
             clock.period_s += program.length_s[course, n]
         run.proposal_s[:] = math.inf
         run.memory[:] = 0.0
-        run.peak_v, run.peak_a = NO_PEAK, 0.0
         begin_strides(strides)
         sampled = program.sampled[course]
-        if sampled:
-            begin(control)
+        if not run.resumed:
+            run.peak_v, run.peak_a = NO_PEAK, 0.0
+            if sampled:
+                begin(control)
+        run.resumed = False
         reason = ended = NOTHING
         while reason == NOTHING:
             count = _ENDLESS
             if sampled:
-                count, program.current_a[course, 0] = 1, next_current(control, run.state[TEMPERATURE])
+                count = 1
+                # At its end nothing follows that a sample would decide.
+                if clock.time_s < min(program.stop_elapsed_s, clock.phase_end_s) - TICK:
+                    program.current_a[course, 0] = next_current(control, run.state[TEMPERATURE])
             elif program.averaged[course]:
                 count = next_periods(
                     cell, program, supply_time_s, run, book, clock, strides, own, scratch, course, ended, tolerance,

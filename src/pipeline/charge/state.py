@@ -102,6 +102,8 @@ RUN = np.dtype(
         ("peak_v", np.float64),
         ("peak_a", np.float64),
         ("start_heat_w", np.float64),
+        # Whether the course that begins next was begun before: what it has seen and decided then holds on.
+        ("resumed", np.bool_),
     ],
     align=True,
 )

@@ -12,6 +12,7 @@ from pipeline.charge.state import (
     MAIN,
     NODE_V,
     OHM,
+    POWER_CONTROL,
     RELAXATIONS,
     SIDE,
     SLOW_V,
@@ -55,7 +56,12 @@ def look_at_start(cell: Cell, run: Run, ambient_k: float) -> None:
 
 @kernel
 def peak_until(run: Run, j: int) -> float:
-    """Return the highest voltage of a cell up to moment j of a step; over a whole step, also between its nodes [V]."""
+    """Return the highest voltage of a cell up to moment j of a step; over a whole step, also between its nodes [V].
+
+    There is none while the supply is the limit: it lowers the current, and the voltage with it, as the sun does.
+    """
+    if run.control == POWER_CONTROL:
+        return NO_PEAK
     v = run.at[TERMINAL_V]
     highest = max(run.peak_v, v[START])
     if j == START:
@@ -82,7 +88,7 @@ def watched_guard(cell: Cell, run: Run, charging: bool, drop_v: float, rate_k_s:
     """
     heat_w = run.start_heat_w if j == START else run.at[HEAT, j]
     warming = rate_k_s - heat_w / cell.heat_capacity_j_k
-    if not charging:
+    if not charging or run.control == POWER_CONTROL:
         return warming, False
     falling = run.at[TERMINAL_V, j] - (peak_until(run, j) - drop_v)
     return min(falling, warming), falling < warming

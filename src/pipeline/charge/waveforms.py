@@ -41,7 +41,9 @@ class Until(Record):
     current_a: Value = Field(None, description="current fallen to, while the voltage is held [A]")
     temperature_c: Value = Field(None, description="battery temperature reached [degC]")
     voltage_drop_v: Value = Field(
-        None, description="terminal voltage fallen below its peak since the current was last lowered, -dV [V]"
+        None,
+        description="terminal voltage fallen below its peak since the current was last lowered, by the sheet or by a "
+        "supply at its limit, while which nobody watches, -dV [V]",
     )
     temperature_rate_k_s: Value = Field(None, description="rate of the battery temperature reached, dT/dt [K/s]")
 

@@ -10,7 +10,6 @@ from pipeline import own_series
 from pipeline.bus.records import LoadProfile, MeasuredLoad
 from pipeline.charge import checks
 from pipeline.charge.records import ChargeSettings
-from pipeline.day import checks as day_checks
 from pipeline.errors import UserError, best_matches
 from pipeline.panel.records import REFERENCE_IRRADIANCE_W_M2, REFERENCE_TEMPERATURE_C, ConstantWeather
 from pipeline.weather.records import MeasuredWeather, Weather
@@ -48,10 +47,6 @@ def check(study: Study) -> None:
             raise UserError(f"day.modes: no mode {mode!r} among those that are run; {best_matches(mode, study.run)}")
     begins = ChargeSettings(initial_soc=study.day.initial_soc, ambient_c=study.charge.ambient_c)
     for mode in study.day.modes or study.run:
-        try:
-            day_checks.check(study.modes[mode])
-        except UserError as error:
-            raise UserError(f"modes.{mode}.{error}") from None
         try:
             checks.check(study.battery, study.modes[mode], begins)
         except UserError as error:

@@ -32,8 +32,8 @@ from pipeline.charge.record_keeping import (
 from pipeline.charge.records import ChargeSettings, EngineSettings, Mode
 from pipeline.charge.simulate import Outcome, Supply, launch, new_book, resting_run, trace
 from pipeline.charge.state import DEPTH, TEMPERATURE
-from pipeline.day import checks
-from pipeline.day.legs import Log, Place, pause, shares, still_to_run
+from pipeline.charge.waveforms import Sampled
+from pipeline.day.legs import Log, Place, pause, resume, shares, still_to_run, whole_samples
 from pipeline.day.records import DayConditions
 from pipeline.errors import EngineError
 
@@ -91,8 +91,9 @@ def charge_over_day(
     """Charge a battery over a day.
 
     The charger draws while the surplus lets it. A pause stops the clock of a phase: what the sheet asks to last an hour
-    lasts an hour of charging. A charge that its sheet has ended stays ended; in place of the sheet's time limit stands
-    the end of the day.
+    lasts an hour of charging. What was seen of the battery, a voltage's peak and readings of a sensor, is not carried
+    over a pause, in which the current was lowered to nothing; a rule that has switched stays so. A charge that its
+    sheet has ended stays ended; in place of the sheet's time limit stands the end of the day.
 
     Arguments
     ---------
@@ -101,12 +102,11 @@ def charge_over_day(
 
     Raises
     ------
-    UserError : the mode does not fit the battery, or not a day.
+    UserError : the mode does not fit the battery.
     EngineError : steps exhausted or a state without a solution.
     """
     air, interval_s = _air(day, conditions.ambient_step_s), conditions.sample_interval_s
     first_c = air[0][1] - ZERO_CELSIUS_K
-    checks.check(mode)
     check(battery, mode, ChargeSettings(initial_soc=conditions.initial_soc, ambient_c=first_c))
     cell = compile_cell(battery)
     sheet = resolve(mode, battery.capacity_in_use_ah, battery.fills)
@@ -118,18 +118,24 @@ def charge_over_day(
     book = new_book(rows, rows, 0, np.zeros((0, 3)), np.zeros((0, 2)))
     book.peak_k[0] = start[TEMPERATURE]
     clock = new_clock(interval_s)
-    alone = day.kept_j is not None and any(shares(course)[2] > 0.0 for course in sheet.courses)
+    sampled = any(isinstance(course.waveform, Sampled) for course in sheet.courses)
+    alone = sampled or (day.kept_j is not None and any(shares(course)[2] > 0.0 for course in sheet.courses))
+    control = compile_control(still_to_run(sheet, Place(), day.end_s), battery.capacity_in_use_ah)
     place, log = Place(), Log(conditions.switching)
     outcome = Outcome(cell, sheet, run, book, start, 0.0)
     for begin_s, until_s in pairwise(cuts):
-        shines = any(span.start_s <= begin_s < span.end_s for span in spans)
+        shines = next((span for span in spans if span.start_s <= begin_s < span.end_s), None)
         ambient_k = next(kelvin for at_s, kelvin in reversed(air) if at_s <= begin_s)
         while clock["time_s"] < until_s - TICK:
-            charging = shines and not place.over
-            leg = still_to_run(sheet, place, until_s, alone) if charging else pause(until_s)
             begun, from_s = int(book.filled[1]), float(clock["time_s"])
+            charging = shines is not None and not place.over
+            if shines is not None and not place.over:
+                resume(place, run, control)
+                leg_s = min(whole_samples(sheet.courses[place.course], from_s, until_s), shines.end_s)
+                leg = still_to_run(sheet, place, leg_s, alone)
+            else:
+                leg, place.paused = pause(until_s), True
             program = compile_program(leg, battery.cells_in_series, engine.driver)
-            control = compile_control(leg, battery.capacity_in_use_ah)
             supply = Supply(day.time_s, _lent(day, leg.courses[0]))
             if launch(cell, program, control, supply, run, book, clock, ambient_k, engine) != drive.DONE:
                 raise EngineError(

@@ -7,24 +7,33 @@ from dataclasses import dataclass, field, replace
 
 from pipeline.bus.records import Switching
 from pipeline.bus.switches import ENDED, MODE_1, MODE_2, OFF, Change, closed
+from pipeline.charge.controller import Control, interrupt
 from pipeline.charge.ending import reason
 from pipeline.charge.protocol import Course, Protocol
 from pipeline.charge.segment import EDGE, ELAPSED, LIMITS
 from pipeline.charge.simulate import Outcome
-from pipeline.charge.waveforms import Rest
+from pipeline.charge.state import Run
+from pipeline.charge.watching import NO_PEAK
+from pipeline.charge.waveforms import Rest, Sampled
 
 _REST = Course("rest", 0, Rest(), tuple(Rest().segments({})), None, {})
 _SURPLUS = "surplus at least {:g} W"
 _NO_SURPLUS = "surplus below {:g} W"
 _DAWN = "first light"
+_ROUNDING = 1e-9
 
 
 @dataclass
 class Place:
-    """Where in its sheet a charge stands: the course, the time spent in the course's phase, why it is there or over."""
+    """Where in its sheet a charge stands: the course, the time spent in the course's phase, why it is there or over.
+
+    `begun` tells whether a leg has run a part of the course, `paused` whether a pause came after it.
+    """
 
     course: int = 0
     used_s: float = 0.0
+    begun: bool = False
+    paused: bool = False
     why: str = ""
     over: str = ""
 
@@ -46,6 +55,23 @@ def still_to_run(sheet: Protocol, place: Place, until_s: float, alone: bool = Fa
             until["elapsed_s"] = max(0.0, until["elapsed_s"] - place.used_s)
         courses.append(replace(course, until=until))
     return Protocol(tuple(courses), {**sheet.stop, "elapsed_s": until_s})
+
+
+def resume(place: Place, run: Run, control: Control) -> None:
+    """Let a leg go on where the one before it ended: what was seen of the battery holds on, but not over a pause."""
+    run["resumed"] = place.begun
+    if place.begun and place.paused:
+        run["peak_v"], run["peak_a"] = NO_PEAK, 0.0
+        interrupt(control)
+    place.paused = False
+
+
+def whole_samples(course: Course, from_s: float, until_s: float) -> float:
+    """Return the end of the sample of a sampled course in which a time lies; the time itself for any other."""
+    if not isinstance(course.waveform, Sampled):
+        return until_s
+    interval_s = course.values["sample_interval_s"]
+    return from_s + interval_s * math.ceil((until_s - from_s) / interval_s - _ROUNDING)
 
 
 def pause(until_s: float) -> Protocol:
@@ -104,8 +130,8 @@ class Log:
             why = reason(asked, begun + number)
             place.course, place.used_s = first + int(row[7]), spent_s
         code = int(rows[-1][3])
-        place.why = ""
-        if code == LIMITS + ELAPSED:
+        place.why, place.begun = "", code == LIMITS + ELAPSED
+        if place.begun:
             return
         following = place.course + 1
         while code != EDGE and following < len(sheet.courses) and sheet.courses[following].group == group:
