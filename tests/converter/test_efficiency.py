@@ -83,7 +83,10 @@ def test_every_loss_costs(chain, which, loss):
 def test_it_agrees_with_the_switches(chain, which):
     found = against_switches(chain, 17.4, 65.25)
     rows = [row for row, name in enumerate(found["converter"]) if name == which]
-    assert len(rows) >= 6
+    assert len(rows) == 9
+    # At a light load the current ends within the period, at a heavy one it does not.
+    duties = loads(chain, which, *VOLTS[which], np.array(found["power_w"])[rows]).columns["duty"]
+    assert duties[0] < 0.5 * duties[-1]
     for row in rows:
         assert found["averaged"][row] == pytest.approx(found["switched"][row], abs=5e-4)
 

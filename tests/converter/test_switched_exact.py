@@ -4,12 +4,15 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from scipy.integrate import solve_ivp
 
+from pipeline.converter.discontinuous import discontinuous_point
 from pipeline.converter.maps import exponential, maps
 from pipeline.converter.steady import steady_state, trace
 from pipeline.converter.switched import follow, gains, run_buck, start
 from pipeline.converter.switched_quantities import of_boost, operating_point
 from pipeline.converter.topologies import (
+    BLOCKED,
     CAPACITOR,
     DIODE,
     INDUCTOR,
@@ -156,6 +159,38 @@ def test_the_control_holds_the_mean_current():
     state, memory = start(buck_stage(), BUS_V, BATTERY, 1.7, 0.0)
     assert memory[1] == 1.7
     assert state[INDUCTOR] > 0
+
+
+@pytest.mark.parametrize("power_w", [0.5, 2.0, 3.5])
+def test_a_boost_current_that_ends_within_the_period(power_w):
+    """The periodic state, from its start by an integrator that waits for the diode's current to end."""
+    stage = boost_stage()
+    source = PanelSource(34.8, 17.4**2 / power_w)
+    duty, resistance, found = discontinuous_point(stage, BUS_V, source)
+    made = boost(stage, source, resistance)
+
+    def ended(_, z):
+        return z[INDUCTOR]
+
+    ended.terminal, ended.direction = True, -1.0
+    at, state = 0.0, found.state
+    assert state[INDUCTOR] == 0.0
+    for topology, until in ((ON, duty * PERIOD_S), (DIODE, PERIOD_S), (BLOCKED, PERIOD_S)):
+        events = ended if topology == DIODE else None
+        run = solve_ivp(lambda _, z, g=made.generators[topology]: g @ z, (at, until), state, "DOP853", events=events,
+                        rtol=1e-12, atol=1e-12)  # fmt: skip
+        at, state = float(run.t[-1]), run.y[:, -1]
+        if topology == DIODE:
+            assert at < 0.99 * PERIOD_S
+    np.testing.assert_allclose(state, found.state, rtol=1e-9, atol=1e-9)
+    assert found.mean[THIRD] == pytest.approx(17.4, rel=1e-10)
+    assert found.mean[CAPACITOR] == pytest.approx(BUS_V, rel=1e-10)
+    assert found.mean[INDUCTOR] == pytest.approx(power_w / 17.4, rel=1e-9)  # no charge stays in the input capacitor
+
+
+def test_a_continuous_current_has_no_state_that_ends_within_the_period():
+    with pytest.raises(ArithmeticError, match=r"no discontinuous state at 60 W"):
+        discontinuous_point(boost_stage(), BUS_V, PanelSource(34.8, 17.4**2 / 60.0))
 
 
 @pytest.mark.parametrize("rectifier", ["synchronous", "diode_emulated"])

@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from pipeline.converter.discontinuous import discontinuous_point
 from pipeline.converter.efficiency import CONDUCTION, loads
 from pipeline.converter.loss_kernel import COLUMNS
 from pipeline.converter.loss_records import ChainLosses, ConverterLosses
@@ -27,7 +28,7 @@ BATTERY_SHARES = (0.85, 1.0, 1.1)
 """Voltages of the battery at which the buck converter is looked at, over the nominal one."""
 _LEAST_SHARE = 0.01
 _POINTS = 41
-_CHECKED_SHARES = (0.05, 0.1, 0.2, 0.4, 0.6, 0.8, 1.0)
+_CHECKED_SHARES = (0.01, 0.02, 0.05, 0.1, 0.2, 0.4, 0.6, 0.8, 1.0)
 _CHECK_PERIODS = 2000
 _STIFF = BatteryLoad(0.0, 0.005, 1e-6, 1.0)
 """A battery that is little but a voltage, so that the converter alone is looked at."""
@@ -80,8 +81,8 @@ def efficiency_map(chain: PowerChain, panel_voltage_v: float, panel_power_w: flo
 def against_switches(chain: PowerChain, panel_voltage_v: float, panel_power_w: float) -> dict[str, list[Any]]:
     """Return the conduction losses of the averaged model beside those of the switches: the columns of SWITCHED_CHECK.
 
-    The boost converter in its periodic state, as far as its current is continuous; the buck converter run until it is
-    periodic, at any load. Both models get the same voltages and the same power.
+    The boost converter in its periodic state, with a current that is continuous or ends within the period; the buck
+    converter run until it is periodic. Both models get the same voltages and the same power.
     """
     assert chain.switched is not None
     powers = [share * panel_power_w for share in _CHECKED_SHARES]
@@ -99,9 +100,10 @@ def _boost(chain: PowerChain, panel_v: float, power_w: float) -> tuple[float, fl
     duty, resistance = operating_point(stage, bus_v, source)
     synchronous = stage.rectifier == "synchronous"
     steady = steady_state(boost(stage, source, resistance), synchronous, duty, stage.switching_period_s)
-    continuous = synchronous or steady.valley_a >= 0.0
+    if not synchronous and steady.valley_a < 0.0:
+        resistance = discontinuous_point(stage, bus_v, source)[1]
     averaged = _conduction(chain, "boost", panel_v, bus_v, power_w)
-    return panel_v, bus_v, power_w, averaged, bus_v**2 / resistance / power_w if continuous else np.nan
+    return panel_v, bus_v, power_w, averaged, bus_v**2 / resistance / power_w
 
 
 def _buck(chain: PowerChain, switched: SwitchedStage, power_w: float) -> tuple[float, float, float, float, float]:
