@@ -27,7 +27,6 @@ def tracking(study: Study) -> Iterator[Draft]:
                 "bus_voltage_v": chain.bus_voltage_v,
                 "trackers": {name: card.model_copy(update={"title": name}) for name, card in study.trackers.items()},
                 "tracking": study.tracking,
-                "seed": study.seed,
             }
         ),
         inputs={"panel": "panel"},

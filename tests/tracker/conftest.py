@@ -12,6 +12,7 @@ from pipeline.panel.single_diode import fit
 from pipeline.tracker.records import AnyTracker
 from pipeline.tracker.source import Source
 from pipeline.tracker.tracking_records import Tracking
+from tests.weather.samples import load
 
 CONF = Path(__file__).parents[2] / "conf"
 NAMES = sorted(path.stem for path in (CONF / "tracker").glob("*.yaml"))
@@ -39,4 +40,4 @@ def source() -> Source:
 
 @pytest.fixture(scope="session")
 def tracking() -> Tracking:
-    return Tracking(**settings("tracking/standard.yaml"))
+    return Tracking(**load("tracking", "standard"))

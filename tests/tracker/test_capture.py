@@ -9,8 +9,9 @@ from pipeline.errors import UserError
 from pipeline.tracker.capture import available, capture, course
 from pipeline.tracker.loop_kernel import KINDS
 from pipeline.tracker.ramps import profile
-from pipeline.tracker.skies import irradiance
+from pipeline.tracker.skies import captured
 from pipeline.tracker.steady import settling, steady
+from pipeline.weather.sky import sky_of
 from tests.tracker.conftest import HONEST, NAMES, tracker
 
 STEADY = np.arange(0.0, 60.0, 0.1)
@@ -150,16 +151,18 @@ def test_a_ramp_goes_up_and_down_as_often_as_asked(tracking):
     assert light[counts].mean() == pytest.approx(300.0, rel=1e-3)
 
 
-def test_days_have_the_clouds_they_are_given(tracking):
-    sky = tracking.skies["broken"]
-    rng = np.random.default_rng(1)
-    _, light = irradiance(sky, rng)
-    _, clear = irradiance(tracking.skies["clear"], rng)
-    share = light / clear
-    assert share.min() == pytest.approx(sky.cloud_transmission)
-    assert share.max() == pytest.approx(1.0)
-    expected = 1.0 - (1.0 - sky.cloud_transmission) * sky.mean_cloud_s / (sky.mean_cloud_s + sky.mean_clear_s)
-    assert share.mean() == pytest.approx(expected, abs=0.08)
+def test_days_are_those_of_the_weather(source, tracking):
+    skies = {name: sky.model_copy(update={"interval_s": 20.0}) for name, sky in tracking.skies.items()}
+    found = captured(source, {name: tracker(name) for name in ("variable_step", "constant_voltage")}, skies)
+    assert found["sky"] == ["clear", "clear", "broken", "broken"]
+    for place, name in ((0, "clear"), (2, "broken")):
+        sky = sky_of(skies[name], 0.0)
+        whole = available(source, sky.irradiance_w_m2, sky.cell_temperature_c).sum() * 20.0 / 3600.0
+        assert found["available_wh"][place] == found["available_wh"][place + 1] == pytest.approx(whole, rel=1e-12)
+    assert 0.5 < found["available_wh"][2] / found["available_wh"][0] < 0.9
+    assert min(found["efficiency"][::2]) > 0.98
+    np.testing.assert_allclose(found["efficiency"], np.divide(found["captured_wh"], found["available_wh"]))
+    assert max(found["efficiency"]) < 1.0
 
 
 def test_settling_counts_to_the_last_time_outside():

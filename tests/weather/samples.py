@@ -24,7 +24,11 @@ def load(group, name):
     found = {}
     for base in own.pop("defaults", ()):
         if isinstance(base, dict):
-            found |= {key.split("@")[1]: load(key.strip("/").split("@")[0], value) for key, value in base.items()}
+            for key, value in base.items():
+                below = load(key.strip("/").split("@")[0], value)
+                for part in reversed(key.split("@")[1].split(".")):
+                    below = {part: below}
+                found = merged(found, below)
         elif base != "_self_":
             found = merged(found, load(group, base))
     own.pop("sources", None)

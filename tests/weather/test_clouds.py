@@ -45,3 +45,20 @@ def test_without_sun_one_cloud_follows_another():
     found = transmittance(CLOUDS.model_copy(update={"sun_share": 0.0}), LONG[:14400])
     assert (found < 1.0).all()
     assert len(np.unique(found)) > 100
+
+
+def test_an_edge_passes_evenly_and_ends_where_the_cloud_stands():
+    """Between the edges all is as without them; within one the share goes straight from one side to the other."""
+    times = np.arange(0.0, 86400.0, 0.5)
+    sharp, soft = (transmittance(CLOUDS.model_copy(update={"edge_s": edge}), times) for edge in (0.0, 8.0))
+    begins = np.flatnonzero(np.diff(sharp) != 0.0)
+    apart = (np.diff(begins, prepend=-100) > 20) & (np.diff(begins, append=begins[-1] + 100) > 20)
+    assert np.count_nonzero(apart) > 50
+    for row in begins[apart]:
+        np.testing.assert_array_equal(soft[row + 18 : row + 20], sharp[row + 18 : row + 20])
+        steps = np.diff(soft[row + 2 : row + 16])
+        np.testing.assert_allclose(steps, (sharp[row + 18] - sharp[row]) / 16.0, rtol=1e-6)
+    away = np.ones(len(times), dtype=bool)
+    for row in begins:
+        away[row : row + 19] = False
+    np.testing.assert_array_equal(soft[away], sharp[away])

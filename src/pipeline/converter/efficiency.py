@@ -19,7 +19,7 @@ CONDUCTION = ("switch_w", "rectifier_w", "winding_w", "capacitor_w")
 _STEPS = 60
 
 
-class Load(NamedTuple):
+class Operation(NamedTuple):
     """A converter at some loads: column of `loss_kernel.COLUMNS` -> values, and input power [W], shape (n,) each."""
 
     columns: dict[str, Array]
@@ -87,7 +87,7 @@ def buck_efficiency(
     return np.divide(power, drawn, out=np.zeros_like(found), where=drawn > 0.0)
 
 
-def loads(chain: PowerChain, which: str, source_v: ArrayLike, sink_v: ArrayLike, power_w: ArrayLike) -> Load:
+def loads(chain: PowerChain, which: str, source_v: ArrayLike, sink_v: ArrayLike, power_w: ArrayLike) -> Operation:
     """Return duty, ripple and losses of one of the converters from its parts.
 
     Arguments
@@ -105,7 +105,7 @@ def loads(chain: PowerChain, which: str, source_v: ArrayLike, sink_v: ArrayLike,
     )
     found = np.zeros((power.size, len(COLUMNS)))
     fill_losses(boosts, numbers(stage, chain.losses.boost if boosts else chain.losses.buck), source, sink, power, found)
-    return Load(dict(zip(COLUMNS, found.T, strict=True)), power)
+    return Operation(dict(zip(COLUMNS, found.T, strict=True)), power)
 
 
 def numbers(stage: SwitchedConverter, losses: ConverterLosses) -> Array:

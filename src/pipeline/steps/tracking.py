@@ -35,7 +35,7 @@ def run(settings: Mapping[str, Any], inputs: Mapping[str, Path], output: Path) -
     found: dict[str, Any] = {
         "ramps": ramps.efficiencies(source, trackers, tracking),
         "course": ramps.shown_course(source, trackers, tracking),
-        "day": skies.captured(source, trackers, tracking.skies, int(settings["seed"])),
+        "day": skies.captured(source, trackers, tracking.skies),
     }
     curves, ends = shading.ends(source, trackers, tracking.shading, tracking.cell_temperature_c)
     found |= {"shading_curves": curves, "shading_ends": ends}

@@ -8,6 +8,7 @@ from pydantic import Field, model_validator
 
 from pipeline.panel.records import CellTemperature, Irradiance
 from pipeline.record import Record
+from pipeline.weather.records import ClearSky, CloudySky
 
 Slope = Annotated[float, Field(gt=0, le=1000, description="slope of the irradiance [W/m2/s]")]
 
@@ -33,22 +34,6 @@ class Ramps(Record):
         return self
 
 
-class Sky(Record):
-    """A day: a bell of irradiance, under clouds that pass at random times; cells warmer than the air in the sun."""
-
-    title: str = Field(min_length=1, description="name of the day, for people")
-    peak_w_m2: Irradiance
-    daylight_s: float = Field(ge=3600, le=86400, description="time from sunrise to sunset [s]")
-    bell_exponent: float = Field(ge=1, le=4, description="power of the sine over the daylight [1]")
-    ambient_c: float = Field(ge=-40, le=60, description="temperature of the air [degC]")
-    sun_rise_k: float = Field(ge=0, le=60, description="cells above the air at 1000 W/m2 [K]")
-    mean_clear_s: float = Field(gt=0, description="mean time between two clouds [s]")
-    mean_cloud_s: float = Field(ge=0, description="mean time in a cloud; 0: no clouds [s]")
-    cloud_transmission: float = Field(gt=0, le=1, description="irradiance under a cloud over that beside it [1]")
-    edge_s: float = Field(gt=0, le=60, description="time the edge of a cloud takes to pass [s]")
-    sample_s: float = Field(ge=0.1, le=60, description="interval over which the irradiance is constant [s]")
-
-
 class Shading(Record):
     """Shadows on a string with bypass diodes."""
 
@@ -72,7 +57,9 @@ class Tracking(Record):
 
     cell_temperature_c: CellTemperature
     ramps: dict[str, Ramps] = Field(min_length=1)
-    skies: dict[str, Sky] = Field(default_factory=dict)
+    skies: dict[str, Annotated[ClearSky | CloudySky, Field(discriminator="kind")]] = Field(
+        default_factory=dict, description="weather of the days they are tried on, by name"
+    )
     shading: Shading
     shown_slope_w_m2_s: Slope = Field(description="the ramp whose course is kept [W/m2/s]")
     settled_share: float = Field(

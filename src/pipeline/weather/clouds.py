@@ -12,7 +12,8 @@ def transmittance(clouds: Clouds, clock_s: ArrayLike) -> NDArray[np.float64]:
     """Return the share of the clear sky's global irradiance at times of a day; exactly 1 where no cloud is.
 
     The lengths of clouds and of the sun between them are exponential (a two-state Markov chain in continuous time),
-    their means such that the sun has its share of the time.
+    their means such that the sun has its share of the time. Over an edge the share changes evenly, and faster where the
+    next one would begin before it has passed.
 
     Arguments
     ---------
@@ -32,4 +33,9 @@ def transmittance(clouds: Clouds, clock_s: ArrayLike) -> NDArray[np.float64]:
         shares.append(1.0 if sunny else through)
         at_s += random.exponential(mean_sun_s if sunny else clouds.mean_cloud_s)
         sunny = not sunny and mean_sun_s > 0.0
-    return np.array(shares)[np.searchsorted(starts, times, side="right") - 1]
+    if clouds.edge_s == 0.0:
+        return np.array(shares)[np.searchsorted(starts, times, side="right") - 1]
+    passed = np.minimum(np.array(starts[1:]) + clouds.edge_s, [*starts[2:], np.inf])
+    corners = np.append(0.0, np.column_stack([starts[1:], passed]).ravel())
+    levels = np.append(shares[0], np.column_stack([shares[:-1], shares[1:]]).ravel())
+    return np.asarray(np.interp(times, corners, levels), dtype=np.float64)

@@ -125,6 +125,7 @@ class Clouds(Record):
     mean_cloud_s: float = Field(ge=10, le=86400, description="mean time a cloud takes to pass [s]")
     transmittance: float = Field(gt=0, le=1, description="mean share of global irradiance under a cloud [1]")
     spread: float = Field(ge=0, lt=1, description="largest departure of a cloud from this mean, over the mean [1]")
+    edge_s: float = Field(default=0.0, ge=0, le=60, description="time the edge of a cloud takes to pass [s]")
     seed: int = Field(ge=0, description="root of the day's random stream [1]")
 
     @model_validator(mode="after")
