@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pipeline.jit import inlined
+from pipeline.tracker.algorithms.moves import BEFORE, BEFORE_V, BEGUN, cut, direction_by_slope, keep
 from pipeline.tracker.records import IncrementalConductance
 from pipeline.tracker.scales import Scales, first_duty
 
@@ -34,26 +35,8 @@ def decide(voltage: float, current: float, duty: float, memory: Array, own: Arra
     own : `numbers`.
     """
     direction = 1.0
-    if memory[2] != 0.0:
-        direction = direction_of(voltage, current, voltage - memory[0], current - memory[1], own[1])
-    asked = duty + direction * own[0]
-    if memory[2] != 0.0 and duty != memory[3]:
-        asked = own[2]
-    memory[0], memory[1], memory[2], memory[3] = voltage, current, 1.0, asked
-    return float(asked)
-
-
-@inlined
-def direction_of(
-    voltage: float, current: float, voltage_change: float, current_change: float, tolerance: float
-) -> float:
-    """Return where the duty must go: 1 up, to a lower voltage; -1 down; 0 at maximum power."""
-    if current <= 0.0:
-        return 1.0  # nothing flows yet: draw more
-    if voltage_change == 0.0:
-        # The light alone has changed: more of it asks for a higher voltage.
-        return -1.0 if current_change > 0.0 else 1.0 if current_change < 0.0 else 0.0
-    difference = current_change / voltage_change * voltage + current
-    if abs(difference) <= tolerance * current:
-        return 0.0
-    return -1.0 if difference > 0.0 else 1.0
+    if memory[BEGUN] != 0.0:
+        changes = voltage - memory[BEFORE_V], current - memory[BEFORE]
+        direction = direction_by_slope(voltage, current, changes[0], changes[1], own[1])
+    asked = own[2] if cut(memory, duty) else duty + direction * own[0]
+    return keep(memory, voltage, current, 1.0, asked)

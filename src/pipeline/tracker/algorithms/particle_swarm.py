@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from pipeline.jit import inlined
 from pipeline.tracker.algorithms import perturb_observe
+from pipeline.tracker.algorithms.moves import BEGUN
 from pipeline.tracker.records import ParticleSwarm
 from pipeline.tracker.scales import Scales
 
@@ -57,7 +58,7 @@ def decide(voltage: float, current: float, duty: float, memory: Array, own: Arra
         return float(memory[_HEAD + turn + 1])
     memory[ROUND] += 1.0
     if memory[ROUND] > own[2]:
-        memory[TURN], memory[WAITED], memory[LAST], memory[2] = -1.0, 0.0, -1.0, 0.0
+        memory[TURN], memory[WAITED], memory[LAST], memory[BEGUN] = -1.0, 0.0, -1.0, 0.0
         return float(memory[BEST_DUTY])
     _move(memory, own, particles)
     memory[TURN] = 0.0

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pipeline.jit import inlined
+from pipeline.tracker.algorithms.moves import BEFORE, BEFORE_V, BEGUN, cut, keep
 from pipeline.tracker.records import PerturbObserve
 from pipeline.tracker.scales import Scales
 
@@ -32,13 +33,11 @@ def decide(voltage: float, current: float, duty: float, memory: Array, own: Arra
     own : `numbers`.
     """
     power = voltage * current
-    direction, power_change, voltage_change = memory[2], power - memory[1], voltage - memory[0]
+    direction, power_change, voltage_change = memory[BEGUN], power - memory[BEFORE], voltage - memory[BEFORE_V]
     if direction == 0.0 or power <= 0.0:
         direction = 1.0  # nothing flows yet: draw more
-    elif duty != memory[3]:
+    elif cut(memory, duty):
         direction = -direction  # the duty is at its limit
     elif power_change * voltage_change != 0.0:
         direction = -1.0 if power_change * voltage_change > 0.0 else 1.0
-    asked = duty + direction * own[0]
-    memory[0], memory[1], memory[2], memory[3] = voltage, power, direction, asked
-    return float(asked)
+    return keep(memory, voltage, power, direction, duty + direction * own[0])

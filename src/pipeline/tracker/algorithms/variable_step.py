@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pipeline.jit import inlined
-from pipeline.tracker.algorithms.incremental_conductance import direction_of
+from pipeline.tracker.algorithms.moves import BEFORE, BEFORE_V, BEGUN, cut, direction_by_slope, keep
 from pipeline.tracker.records import VariableStep
 from pipeline.tracker.scales import Scales, first_duty
 
@@ -33,16 +33,13 @@ def decide(voltage: float, current: float, duty: float, memory: Array, own: Arra
     memory : voltage, current and step of the period before, the duty asked for; zeros at first.
     own : `numbers`.
     """
-    if memory[2] == 0.0 or current <= 0.0:
+    if memory[BEGUN] == 0.0 or current <= 0.0:
         step, direction = own[1], 1.0
     else:
-        voltage_change, current_change = voltage - memory[0], current - memory[1]
-        direction = direction_of(voltage, current, voltage_change, current_change, 0.0)
-        step = memory[2]  # with the voltage unchanged there is no slope to take a new one from
+        voltage_change, current_change = voltage - memory[BEFORE_V], current - memory[BEFORE]
+        direction = direction_by_slope(voltage, current, voltage_change, current_change, 0.0)
+        step = memory[BEGUN]  # with the voltage unchanged there is no slope to take a new one from
         if voltage_change != 0.0:
             step = min(own[0] * abs(current + voltage * current_change / voltage_change), own[1])
-    asked = duty + direction * step
-    if memory[2] != 0.0 and duty != memory[3]:
-        asked = own[2]
-    memory[0], memory[1], memory[2], memory[3] = voltage, current, max(step, 1e-9), asked
-    return float(asked)
+    asked = own[2] if cut(memory, duty) else duty + direction * step
+    return keep(memory, voltage, current, max(step, 1e-9), asked)
