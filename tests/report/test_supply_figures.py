@@ -120,6 +120,8 @@ def test_the_text_says_who_is_caught(supplied):
     text = supply_tables.tracking_text(supplied)
     assert "perturb and observe end below 95 %" in text
     assert "Particle swarm reaches at least 99.9 %" in text
+    assert "take 99.00 % of it as configured" in text
+    assert "the trackers reach 90.00 to 99.90 % in steady light" in text
     text = converter_tables.converter_text(supplied)
     assert "95.0 % at the panel's maximum power" in text
     assert "100 ppm" in text

@@ -129,6 +129,19 @@ def _shadows(data: ReportData) -> ReportTable:
     )
 
 
+def _taken(data: ReportData, steady: Mapping[str, float]) -> str:
+    """Say what share of the maximum power the charges take, beside what the trackers reach."""
+    supply = data.table("supply", "supply")
+    bright = int(np.argmax(supply["panel_power_w"]))
+    drawn = float(supply["bus_power_w"][bright]) / float(supply["boost_efficiency"][bright])
+    taken = 100.0 * drawn / float(supply["panel_power_w"][bright])
+    least, most = min(steady.values()), max(steady.values())
+    return (
+        f"The charges in the study's own weather take {taken:.2f} % of it as configured, whatever the light; the "
+        f"trackers reach {least:.2f} to {most:.2f} % in steady light. The days in the sun run a tracker instead."
+    )
+
+
 def tracking_text(data: ReportData) -> str:
     """Return what the trials of the trackers show, as sentences, every number of which was computed."""
     found, names = data.numbers("tracking"), titles(data)
@@ -144,6 +157,8 @@ def tracking_text(data: ReportData) -> str:
         f"({names[low]} the least). The worst ramp leaves {names[slow]} {worst[slow]:.1f} %, {names[fast]} "
         f"{worst[fast]:.1f} %; on all of them the cells keep one temperature."
     ]
+    if data.holds("supply", "supply"):
+        text.append(_taken(data, steady))
     days = data.table("tracking", "tracking_day")
     if len(days["tracker"]):
         least, most = int(np.argmin(days["efficiency"])), int(np.argmax(days["efficiency"]))
