@@ -2,11 +2,19 @@
 
 from __future__ import annotations
 
+import json
+import re
+import shutil
 from functools import cache
+from pathlib import Path
 
 import pytest
+from hydra import compose, initialize_config_dir
+from omegaconf import OmegaConf
 
 from pipeline.config.compose import compose_tree, expand, options
+from pipeline.config.files import CONF
+from pipeline.config.sources import split
 from pipeline.config.study import study_from
 from pipeline.errors import UserError
 
@@ -65,6 +73,38 @@ def test_a_scaled_battery_names_the_file_that_holds_the_value() -> None:
     composed = compose_tree(["battery=lead_acid_12v18ah"])
     assert composed.origin("battery.scaled_to_capacity_ah").startswith("conf/battery/lead_acid_12v18ah.yaml:")
     assert composed.origin("battery.thermal.resistance_k_w").startswith("conf/battery/lead_acid_12v7ah.yaml:")
+
+
+@pytest.mark.parametrize(
+    "words",
+    [
+        *([f"study={study}"] for study in options("study")),
+        ["battery=lead_acid_12v18ah", "battery.thermal.resistance_k_w=2.5", "~converter.switched", "~design"],
+        ["weather=half_cloudy_taichung", "+weather.clouds.note=thin", "modes.cv_reflex.frequency_hz=50"],
+        ["study=lfp_cuckoo", "functions=full"],
+    ],
+)
+def test_files_are_merged_as_hydra_merges_them(words: list[str]) -> None:
+    modes = [f"+modes@modes.{name}={name}" for name in options("modes")]
+    with initialize_config_dir(str(CONF), version_base="1.3"):
+        whole = OmegaConf.to_container(compose("config", overrides=[*modes, *words]), resolve=True)
+    assert isinstance(whole, dict)
+    ours = compose_tree(words).tree
+    assert json.dumps(split(ours)[0]) == json.dumps(split(whole)[0])  # also in the same order
+
+
+def test_an_edited_file_is_read_again(tmp_path: Path) -> None:
+    conf = Path(shutil.copytree(CONF, tmp_path / "conf"))
+    for capacity in (7.5, 8.25):
+        file = conf / "battery" / "lead_acid_12v7ah.yaml"
+        file.write_text(re.sub(r"capacity_ah: [\d.]+", f"capacity_ah: {capacity}", file.read_text(), count=1))
+        assert compose_tree([], conf).tree["battery"]["capacity_ah"] == capacity
+
+
+def test_several_values_are_no_run() -> None:
+    for word in ("battery.capacity_ah=7,8", "battery=lfp_8ah,lead_acid_12v7ah"):
+        with pytest.raises(UserError, match=f"override {word}: several values make a sweep"):
+            compose_tree([word])
 
 
 def test_sweeps_expand_as_hydras_do() -> None:

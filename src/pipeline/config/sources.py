@@ -8,6 +8,7 @@ from typing import Any, Literal
 from pydantic import ValidationError, model_validator
 
 from pipeline.config.compose import Composed
+from pipeline.config.files import shown
 from pipeline.config.messages import explain
 from pipeline.errors import UserError, best_matches
 from pipeline.record import Record
@@ -117,13 +118,19 @@ def attribute(
                 _check_range(composed, path, value, source)
                 result[path] = source
             else:
-                missing.append(f"  {composed.origin(path)}: {path} = {value}")
+                missing.append(f"  {composed.origin(path)}: {path} = {value}{_changed(composed, path)}")
     if missing:
         raise UserError(
             "parameters without a source (add it to `sources:` beside the value, "
             "{kind: published | data_sheet | derived | estimate | calibrated, ref: ...}):\n" + "\n".join(missing)
         )
     return result
+
+
+def _changed(composed: Composed, path: str) -> str:
+    """Say that a file changes a value which has a source in the file it builds on."""
+    files = composed.setters(path)
+    return f", changed from that of {shown(files[-2].file)}, whose source is not its own" if len(files) > 1 else ""
 
 
 def _check_range(composed: Composed, path: str, value: Any, source: Source) -> None:
