@@ -18,7 +18,7 @@ from pipeline.config.study import Study, study_from
 from pipeline.draft import Draft, plain
 from pipeline.errors import UserError
 from pipeline.phases import drafts
-from pipeline.planfile import STEPS, VERSION
+from pipeline.planfile import STEPS, TARGETS, VERSION
 
 # Files a step reads beside its inputs, relative to the project; their content is part of the key.
 STEP_FILES: dict[str, tuple[str, ...]] = {
@@ -61,17 +61,6 @@ CHUNK_SIZE = {
     "page": (1, 8),
 }
 PUBLISH_SIZE = 32
-TARGETS = {
-    "panel": ("panel", "supply", "tracking", "converters"),
-    "tuning": ("tuning",),
-    "search": ("chaos", "objective", "search"),
-    "network": ("surface", "network", "network_size", "network_kernels"),
-    "staging": ("staging_search", "staging", "front"),
-    "functions": ("function_runs", "functions"),
-    "charges": ("charge", "switched", "trade_off"),
-    "day": ("weather", "daylight", "day"),
-    "figures": ("figures",),
-}
 
 
 @dataclass(frozen=True)
@@ -255,6 +244,8 @@ def _publications(
         numbers = list(places[start : start + PUBLISH_SIZE])
         batch = [runs[number] for number in numbers]
         needed = {maker[key] for run in batch for key in run.keys.values() if nodes[key]["step"] in steps}
+        if not needed:
+            continue
         labels = [[f"{run.study.study.name}.{run.name}.{part}"] for run in batch]
         name = _chunk_name(labels, [part, *(_described(run)["digest"] for run in batch)])
         found[name] = {"step": "publish", "part": part, "steps": list(steps), "runs": numbers, "needs": sorted(needed)}
@@ -278,7 +269,12 @@ def _targets(runs: Sequence[Run], chunks: Mapping[str, Any]) -> dict[str, list[s
         if chunk["step"] == "publish" and chunk["runs"][0] in requested
     }
     published = {name: chunk for name, chunk in chunks.items() if chunk["step"] == "publish" and name not in on_request}
-    targets = {part: [n for n, chunk in published.items() if chunk["part"] == part] for part in ("all", *TARGETS)}
+    parts = {chunk["part"] for chunk in published.values()}
+    targets = {
+        part: [name for name, chunk in published.items() if chunk["part"] == part]
+        for part in ("all", *TARGETS)
+        if part in parts
+    }
     targets["report"] = targets["all"]
     for study in sorted({run.study.study.name for run in runs}):
         mine = {index for index, run in enumerate(runs) if run.study.study.name == study}

@@ -20,6 +20,18 @@ STEPS = (
     "engine", "charge", "switched", "ensemble", "trade_off", "validation", "weather", "daylight", "day", "verdicts",
     "figures", "page",
 )  # fmt: skip
+# Parts of a run that people can ask for, with the steps that make them.
+TARGETS = {
+    "panel": ("panel", "supply", "tracking", "converters"),
+    "tuning": ("tuning",),
+    "search": ("chaos", "objective", "search"),
+    "network": ("surface", "network", "network_size", "network_kernels"),
+    "staging": ("staging_search", "staging", "front"),
+    "functions": ("function_runs", "functions"),
+    "charges": ("charge", "switched", "trade_off"),
+    "day": ("weather", "daylight", "day"),
+    "figures": ("figures",),
+}
 
 
 def save(plan: Mapping[str, Any], results: Path) -> Path:
@@ -41,6 +53,27 @@ def load(path: Path) -> dict[str, Any]:
     if not isinstance(plan, dict) or plan.get("version") != VERSION or not {"runs", "nodes", "chunks"} <= set(plan):
         raise UserError(f"plan {path}: not a plan of version {VERSION}; make it anew with --config overrides=...")
     return plan
+
+
+def target(plan: Mapping[str, Any], name: str) -> list[str]:
+    """Return the chunks that a target stands for.
+
+    Raises
+    ------
+    UserError : the plan has no such target; those it has are named.
+    """
+    targets: dict[str, list[str]] = plan["targets"]
+    if name in targets:
+        return targets[name]
+    planned = ", ".join(dict.fromkeys(run["study"] for run in plan["runs"]))
+    if name in studies():
+        raise UserError(f"target {name!r}: not planned, {planned} is; choose the study with study={name}")
+    raise UserError(f"target {name!r}: {planned} has no such part; it has: {', '.join(targets)}")
+
+
+def studies() -> list[str]:
+    """Return the names of all studies."""
+    return sorted(path.stem for path in (digest.PROJECT / "conf" / "study").glob("*.yaml"))
 
 
 def command(study: str, overrides: Sequence[str]) -> str:

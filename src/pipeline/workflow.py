@@ -33,6 +33,9 @@ class Workflow:
         self.results = results
         self.file = _plan_file(config, results, asked)
         self.plan = planfile.load(self.file)
+        for name in sorted({*planfile.TARGETS, *planfile.studies()} & set(asked)):
+            planfile.target(self.plan, name)
+        self.asked = [name for name in self.plan["targets"] if name in asked] or ["all"]
         if tidy:
             store.drop_broken_receipts(results, self.plan["chunks"])
 
@@ -51,10 +54,10 @@ class Workflow:
         return sorted(named & set(self.plan["targets"]))
 
     def tell(self) -> None:
-        """Print which charges did not reach what they were to reach."""
-        from pipeline.unreached import unreached
+        """Print which of the charges asked for missed all their goals, and where everything asked for is."""
+        from pipeline.telling import tell
 
-        for line in unreached(self.plan, self.results):
+        for line in tell(self.plan, self.asked, self.results):
             print(line)
 
     def needs(self, chunk: str) -> list[str]:

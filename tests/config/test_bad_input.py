@@ -38,12 +38,12 @@ ZERO_LENGTH = [
     (f"{BULK}.elapsed_s=0", r"bulk\.until\.elapsed_s: 0; it must be greater than 0"),
     (f"{BULK}.elapsed_s=1.0e-12", r"bulk\.until\.elapsed_s: 1e-12 s; allowed is 1e-06 s or more"),
     (f"+{BULK}.soc=0.1", r"bulk\.until\.soc: 0.1 is met at the start, initial_soc 0.2; give more"),
-    (f"+{BULK}.voltage_v=3", r"bulk\.until\.voltage_v: 3 V is met at the start, .* rests at 12.08 V; give more"),
+    (f"+{BULK}.voltage_v=9", r"bulk\.until\.voltage_v: 9 V is met at the start, .* rests at 12.08 V; give more"),
     (f"+{BULK}.current_a=5", r"bulk\.until\.current_a: 5 A, but the current is never above 2.1 A; give less"),
     (f"{BULK}.temperature_c=20", r"bulk\.until\.temperature_c: 20 degC is not above the ambient's 25"),
     ("modes.cc_cv.stop.elapsed_s=0", r"stop\.elapsed_s: 0; it must be greater than 0"),
     ("modes.cc_cv.stop.soc=0.1", r"stop\.soc: 0.1 is not above initial_soc 0.2"),
-    ("+modes.cc_cv.stop.voltage_v=3", r"stop\.voltage_v: 3 V is met at the start"),
+    ("+modes.cc_cv.stop.voltage_v=9", r"stop\.voltage_v: 9 V is met at the start"),
     ("+modes.cc_cv.stop.current_a=3", r"stop\.current_a: 3 A, but the current is never above 2.1 A"),
     (f"{REFLEX}.charge_share=0", "charge_share: 0 is not a share of the period"),
     ("charge.windows=[{start_s: 0, length_s: 0}]", "length_s: .*greater than 0"),
@@ -55,6 +55,14 @@ FREQUENCIES = [
     (f"{REFLEX}.frequency_hz=50000", "50000 Hz"),
     (f"{REFLEX}.frequency_hz=25000", "25000 Hz; .*less than a switching period of 2e-05 s; allowed is up to 2500 Hz"),
     (f"{REFLEX}.frequency_hz=60000", "60000 Hz"),
+]
+WRONG_UNITS = [
+    ("modes.cc_cv.voltage_v=14400", r"voltage_v: 14400 V .* rests at 12.89 V when full; allowed is 5.95 to 25.78 V"),
+    ("modes.cc_cv.voltage_v=2.4", r"voltage_v: 2.4 V .* allowed is 5.95 to 25.78 V"),
+    (f"{REFLEX}.voltage_v=144", r"bulk\.(limit\.)?voltage_v: 144 V .* allowed is 5.95 to 25.78 V"),
+    ("+modes.cc_cv.stop.voltage_v=15000", r"stop\.voltage_v: 15000 V .* allowed is 5.95 to 25.78 V"),
+    (f"{REFLEX}.charge_a=2100", r"charge_a: 2100 A is 300 C of 7 Ah; allowed is up to 100 C, 700 A"),
+    ("modes.cc_cv.max_current_a=2100", r"max_current_a: 2100 A is 300 C of 7 Ah; allowed is up to 100 C, 700 A"),
 ]
 ENGINE = [
     ("engine.driver=averged", "driver: .*'auto', 'edge' or 'averaged'"),
@@ -81,7 +89,7 @@ def composed(word: str) -> Composed:
     return replace(default(), tree=tree, overrides=(word,))
 
 
-@pytest.mark.parametrize(("word", "message"), [*BATTERY, *ZERO_LENGTH, *FREQUENCIES, *ENGINE])
+@pytest.mark.parametrize(("word", "message"), [*BATTERY, *ZERO_LENGTH, *FREQUENCIES, *WRONG_UNITS, *ENGINE])
 def test_it_is_refused(word: str, message: str) -> None:
     with pytest.raises(UserError, match=message) as refused:
         study_from(composed(word))
@@ -92,6 +100,11 @@ def test_it_is_refused(word: str, message: str) -> None:
 
 def test_what_is_not_overridden_is_not_refused() -> None:
     assert study_from(composed("charge.initial_soc=0.3")).charge.initial_soc == 0.3
+
+
+@pytest.mark.parametrize("word", ["modes.cc_cv.voltage_v=24", "modes.cc_cv.max_current_a=70"])
+def test_what_is_only_unusual_is_not_refused(word: str) -> None:
+    study_from(composed(word))
 
 
 def test_pulses_are_not_refused_where_there_is_one_part() -> None:

@@ -115,8 +115,14 @@ def test_sweeps_expand_as_hydras_do() -> None:
 
 @pytest.mark.parametrize("name", options("battery"))
 def test_every_battery_composes(name: str) -> None:
-    study = study_from(compose_tree([f"battery={name}"]))
+    owner = {"lfp": "lfp_cuckoo", "nicd": "nicd_grnn"}.get(name.split("_")[0], "solar_reflex")
+    study = study_from(compose_tree([f"study={owner}", f"battery={name}"]))
     assert study.battery.name == name
+
+
+def test_a_battery_is_not_charged_at_the_voltage_of_another() -> None:
+    with pytest.raises(UserError, match=r"voltage_v: 14.4 V .* rests at 3.43 V when full; allowed is 1.43 to 6.86 V"):
+        study_from(compose_tree(["battery=lfp_8ah"]))
 
 
 @cache

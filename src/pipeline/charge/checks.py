@@ -15,6 +15,10 @@ from pipeline.errors import UserError, best_matches
 from pipeline.record import Number, Reference
 
 SHORTEST_SEGMENT_S = 1e-6
+# Beyond these a number has the wrong unit: no charger goes there, and values in mV or mA are far beyond.
+NEARLY_EMPTY, NEARLY_FULL = 0.01, 0.99
+LEAST_SHARE_OF_EMPTY, MOST_SHARE_OF_FULL = 0.5, 2.0
+MOST_C_RATE = 100.0
 MOST_COURSES = 100_000
 
 
@@ -48,6 +52,7 @@ def _check_phase(resolver: Resolver, where: str, phase: Phase, battery: Battery,
     for name, value in values.items():
         if value != waveform.optional.get(name):
             _check_value(f"{where}.{name}", name.split(".")[0], value)
+            _check_current(f"{where}.{name}", name.split(".")[0], value, battery)
     if isinstance(waveform, Staged):
         _check_stages(where, waveform)
     if waveform.periodic:
@@ -57,6 +62,8 @@ def _check_phase(resolver: Resolver, where: str, phase: Phase, battery: Battery,
         limits[f"{where}.voltage_v"] = values.get("voltage_v")
     resting = resting_voltage_v(battery, settings.initial_soc, settings.ambient_c)
     for path, limit in limits.items():
+        if limit is not None:
+            _check_voltage(path, limit, battery, settings)
         if limit is not None and limit <= resting:
             raise UserError(
                 f"{path}: {limit:g} V does not charge a battery that rests at {resting:.2f} V "
@@ -75,6 +82,25 @@ def _check_value(path: str, name: str, value: float) -> None:
             raise UserError(f"{path}: {value:g} is not a share of the period; allowed is 0 to 1")
     elif value < 0.0 or (value == 0.0 and name != "discharge_a"):
         raise UserError(f"{path}: {value:g}; it must be greater than 0")
+
+
+def _check_current(path: str, name: str, value: float, battery: Battery) -> None:
+    most = MOST_C_RATE * battery.capacity_in_use_ah
+    if name.endswith("_a") and value > most:
+        raise UserError(
+            f"{path}: {value:g} A is {value / battery.capacity_in_use_ah:g} C of {battery.capacity_in_use_ah:g} Ah; "
+            f"allowed is up to {MOST_C_RATE:g} C, {most:g} A"
+        )
+
+
+def _check_voltage(path: str, value: float, battery: Battery, settings: ChargeSettings) -> None:
+    empty, full = (resting_voltage_v(battery, soc, settings.ambient_c) for soc in (NEARLY_EMPTY, NEARLY_FULL))
+    least, most = max(0.0, LEAST_SHARE_OF_EMPTY * empty), MOST_SHARE_OF_FULL * full
+    if not least <= value <= most:
+        raise UserError(
+            f"{path}: {value:g} V for a battery that rests at {full:.2f} V when full; "
+            f"allowed is {least:.2f} to {most:.2f} V"
+        )
 
 
 def _check_stages(where: str, waveform: Staged) -> None:
@@ -106,6 +132,8 @@ def _check_until(where: str, until: Mapping[str, float], battery: Battery, setti
             raise UserError(f"{where}.{name}: {value:g}; it must be greater than 0")
         if name == "elapsed_s" and value < SHORTEST_SEGMENT_S:
             raise UserError(f"{where}.{name}: {value:g} s; allowed is {SHORTEST_SEGMENT_S:g} s or more")
+    if "voltage_v" in until:
+        _check_voltage(f"{where}.voltage_v", until["voltage_v"], battery, settings)
     soc = until.get("soc", 0.5)
     if soc > 1.0 or (soc == 1.0 and not battery.fills):
         raise UserError(

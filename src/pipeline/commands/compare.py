@@ -29,12 +29,12 @@ def main(arguments: Sequence[str]) -> int:
 
 
 def artefacts(folder: Path) -> dict[str, str]:
-    """Return place -> sha256 of every artefact that the manifests in a folder list."""
-    manifests = [folder / "manifest.json"] if (folder / "manifest.json").is_file() else []
-    manifests = manifests or sorted(folder.glob("*/*/manifest.json"))
+    """Return place -> sha256 of every artefact that the manifests in a folder list, those of parts (`-t`) included."""
+    own = sorted(folder.glob("manifest*.json"))
+    manifests = own or sorted(folder.glob("*/*/manifest*.json"))
     if not manifests:
         raise UserError(f"{folder}: no manifest.json there; allowed is a run's folder or a results folder")
-    single = len(manifests) == 1 and manifests[0].parent == folder
+    single = bool(own)
     found: dict[str, str] = {}
     for path in manifests:
         manifest = json.loads(path.read_text())

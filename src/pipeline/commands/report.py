@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import json
 from collections import Counter
 from collections.abc import Mapping, Sequence
 from pathlib import Path
@@ -20,14 +21,27 @@ def main(arguments: Sequence[str]) -> int:
     """Print a run's verdicts; return 0."""
     parser = argparse.ArgumentParser(prog="python -m pipeline report", description=__doc__)
     parser.add_argument("run", nargs="?", default="solar_reflex/default", help="study/run (%(default)s)")
-    run = parser.parse_args(arguments).run
+    run = parser.parse_args(arguments).run.removeprefix(f"{RESULTS}/").strip("/")
+    run = run if "/" in run else f"{run}/default"
     path = RESULTS / run / "published" / "verdicts.parquet"
     if not path.is_file():
-        known = [str(p.parent.relative_to(RESULTS)) for p in RESULTS.glob("*/*/manifest.json")]
-        raise UserError(f"run {run!r}: not published here; {best_matches(run, known)}")
+        raise UserError(_unpublished(run))
     _print(tables.read(schemas.VERDICTS, path))
     print(f"\nthe page: {Path('reports') / run / 'index.html'}")
     return 0
+
+
+def _unpublished(run: str) -> str:
+    """Say why a run has no verdicts: only parts of it were made, or nothing."""
+    parts = sorted((RESULTS / run).glob("manifest*.json"))
+    if not parts:
+        known = {path.parent.relative_to(RESULTS).as_posix() for path in RESULTS.glob("*/*/manifest.json")}
+        return f"run {run!r}: not published here; {best_matches(run, known)}"
+    manifest = json.loads(parts[0].read_text())
+    if (RESULTS / run / "manifest.json").is_file():
+        return f"run {run!r}: its study has no verdicts; the page is {Path('reports') / run / 'index.html'}"
+    made = ", ".join(path.name.split(".")[1] for path in parts)
+    return f"run {run!r}: only parts of it are here ({made}), and no verdicts; all of it: {manifest['command']}"
 
 
 def _print(verdicts: Mapping[str, Any]) -> None:

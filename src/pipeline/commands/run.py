@@ -11,7 +11,7 @@ from pathlib import Path
 from pipeline import planfile, store
 from pipeline.config.compose import compose_tree, expand, groups, options
 from pipeline.digest import PROJECT
-from pipeline.errors import UserError, best_matches
+from pipeline.errors import UserError
 from pipeline.plan import make_plan
 
 EXAMPLES = """\
@@ -40,8 +40,7 @@ def main(arguments: Sequence[str]) -> int:
             _show(run)
         return 0
     plan = make_plan(runs)
-    if options_.target not in plan["targets"]:
-        raise UserError(f"target {options_.target!r}: unknown; {best_matches(options_.target, plan['targets'])}")
+    planfile.target(plan, options_.target)
     file = planfile.save(plan, store.RESULTS)
     print(
         f"plan {file}: {len(runs)} run{'s' * (len(runs) != 1)}, {len(plan['nodes'])} artefacts, "
@@ -64,9 +63,8 @@ def _parser() -> argparse.ArgumentParser:
     parser.add_argument("-c", "--cores", type=cores, default="2", help="cores Snakemake may use (%(default)s)")
     parser.add_argument("-n", "--dry-run", action="store_true", help="show what would run")
     parser.add_argument("-F", "--force", action="store_true", help="compute everything again and compare")
-    parser.add_argument(
-        "-t", "--target", default="all", help="all, panel, tuning, search, day, charges, figures, report"
-    )
+    parts = ", ".join(["all", *planfile.TARGETS, "report"])
+    parser.add_argument("-t", "--target", default="all", help=f"a part of the study: {parts}")
     parser.add_argument("--cfg", action="store_true", help="print the composed configuration and stop")
     return parser
 
