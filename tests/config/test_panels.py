@@ -35,6 +35,8 @@ def test_the_study_knows_only_the_values() -> None:
 MISTAKES = {
     ("panel.name=Kyocera_KC130GT",): ("override panel.name=Kyocera_KC130GT: panel.name", "Kyocera_Solar_KC130GT"),
     ("panel=database", "panel.database=nrel"): ("panel.database", "'nrel'", "cec, sandia"),
+    ("panel.database=sandia",): ("panel.database", "give its name beside it, panel.name=NAME"),
+    ("panel.name=kc65t",): ("no panel 'kc65t'", "conf/panel/kc65t.yaml is chosen with panel=kc65t"),
     ("panel=database", "panel.panels_in_series=0"): ("panel.panels_in_series", "greater than or equal to 1", "0"),
     ("panel=database", "panel.nam=x"): ("panel has no key 'nam'", "name"),
     ("panel.name=A10Green_Technology_A10J_S72_175",): ("converter.bus_voltage_v", "24", "36.63"),

@@ -74,8 +74,11 @@ class Resolver:
                 if isinstance(knob, Reference):
                     return knob
                 return knob * self.capacity_ah if key.endswith(C_RATE) else knob
-        said = "is not given and there is no knob of that name" if value is None else f"names the knob {wanted!r}"
-        raise UserError(f"{where}: {said}; {best_matches(wanted, self.knobs)}")
+        stem = wanted.removesuffix("_a")
+        names = wanted if stem == wanted else f"{wanted} or {stem}{C_RATE}"
+        said = f"not given, and the mode has no knob {names}" if value is None else f"names the knob {wanted!r}"
+        near = f"; {best_matches(wanted, self.knobs)}" if self.knobs else ""
+        raise UserError(f"{where}: {said}{near}")
 
     def optional(self, record: Record, where: str) -> dict[str, Number]:
         """Return the numbers of those fields of a record that are given."""

@@ -39,7 +39,12 @@ class Phase(Record):
             )
         if len(found) != 1:
             raise ValueError(f"a phase has one waveform, found {found or 'none'}; known are: {', '.join(WAVEFORMS)}")
-        waveform = WAVEFORMS[found[0]].model_validate(data[found[0]] or {})
+        given, kind = data[found[0]] or {}, WAVEFORMS[found[0]]
+        unknown = [key for key in given if key not in kind.model_fields]
+        if unknown:
+            near = best_matches(unknown[0], kind.model_fields)
+            raise ValueError(f"{found[0]}.{unknown[0]} is no parameter of this waveform; {near}")
+        waveform = kind.model_validate(given)
         return handler({key: data[key] for key in data if key in others} | {"waveform": waveform})
 
     @model_serializer(mode="wrap")

@@ -105,7 +105,12 @@ def expand(words: Sequence[str]) -> list[list[str]]:
     with opened(CONF) as loader:
         parsed = OverridesParser.create(config_loader=loader).parse_overrides(overrides=list(words))
         batches = BasicSweeper.split_arguments(parsed, max_batch_size=None)
-        return [list(run) for batch in batches for run in batch]
+        # The sweeper writes `~key` as `~key=null`.
+        return [
+            [word.removesuffix("=null") if word.startswith("~") else word for word in run]
+            for batch in batches
+            for run in batch
+        ]
 
 
 def options(group: str, conf: Path = CONF) -> list[str]:
@@ -133,6 +138,8 @@ def _mode_words(words: Iterable[str], conf: Path) -> list[str]:
 def _panel_words(words: Iterable[str]) -> list[str]:
     """A panel's name alone says that it stands in a database."""
     keys = {word.split("=")[0] for word in words}
+    if "panel.database" in keys and not {"panel.name", "panel"} & keys:
+        raise UserError("panel.database: which panel there? give its name beside it, panel.name=NAME")
     return ["panel=database"] if "panel.name" in keys and "panel" not in keys else []
 
 

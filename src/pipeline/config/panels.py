@@ -7,7 +7,7 @@ from typing import Any
 
 from pydantic import ValidationError
 
-from pipeline.config.compose import Composed
+from pipeline.config.compose import Composed, options
 from pipeline.config.messages import explain
 from pipeline.errors import UserError
 from pipeline.panel.database import PanelEntry, look_up, reference
@@ -43,7 +43,8 @@ def by_name(composed: Composed, values: dict[str, Any], written: dict[str, Any])
         if entry.database == "sandia":  # no parameters of the model stand there
             fit(Panel.model_validate(found))
     except UserError as error:
-        raise UserError(f"{composed.origin('panel.name')}: panel.name: {error}") from None
+        own = f"; conf/panel/{entry.name}.yaml is chosen with panel={entry.name}" * (entry.name in options("panel"))
+        raise UserError(f"{composed.origin('panel.name')}: panel.name: {error}{own}") from None
     except ValidationError as error:
         raise explain(error, found, "panel", composed.origin("panel.name"), Panel) from None
     source = {"kind": "data_sheet", "ref": reference(entry)}

@@ -103,7 +103,8 @@ def attribute(
     """
     records = {path: _record(composed, path, source) for path, source in written.items()}
     named = [path for path in records if any(path == s or path.startswith(s + ".") for s in sections)]
-    for path in named:
+    # What the command line takes out or replaces may leave its source behind.
+    for path in (path for path in named if composed.overridden(path) is None):
         _check_names_a_value(composed, values, path)
     result: dict[str, Source] = {}
     missing: list[str] = []
