@@ -191,7 +191,7 @@ def test_a_network_still_to_be_found_passes_the_check_but_not_the_charge():
 @pytest.mark.parametrize(
     ("knobs", "message"),
     [
-        ({}, r"phases\.charge\.sample_interval_s: is not given and there is no knob"),
+        ({}, r"phases\.charge\.sample_interval_s: not given, and the mode has no knob sample_interval_s"),
         ({"sample_interval_s": 1e-5}, r"sample_interval_s: 1e-05 s; allowed is 0\.001 s or more"),
         ({"sample_interval_s": 2.0, "rate_span_s": 5.0}, r"rate_span_s: 5 s is no whole number of samples of 2 s"),
         ({"sample_interval_s": 2.0, "temperature_step_k": -1.0}, r"temperature_step_k: -1; it must be greater than 0"),

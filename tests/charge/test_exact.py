@@ -55,7 +55,7 @@ def test_a_pair_answers_a_step_by_the_exponential():
 def test_held_voltage_lets_the_current_fall_by_the_exponential():
     mode = Mode(
         title="Held",
-        phases={"charge": {"constant_voltage": {"voltage_v": 3.6, "max_current_a": 1000.0}}},
+        phases={"charge": {"constant_voltage": {"voltage_v": 3.6, "max_current_a": 100.0}}},
         stop={"elapsed_s": 600},
     )
     found = values(charge(Battery(**PLAIN), mode, settings(0.1)))

@@ -17,7 +17,6 @@ from pipeline.converter.switched_records import SwitchedStage
 from pipeline.panel.database import PanelEntry
 from pipeline.panel.records import ConstantWeather, Panel
 from pipeline.tracker.records import AnyTracker
-from pipeline.tracker.tracking_records import Tracking
 
 CONF = Path(__file__).parents[2] / "conf"
 GROUPS = {
@@ -28,11 +27,10 @@ GROUPS = {
     "converter_losses": ChainLosses,
     "load": Load,
     "tracker": AnyTracker,
-    "tracking": Tracking,
 }
 PARTS = {"switched": "converter_parts", "losses": "converter_losses"}
 """What the converters' files take from other groups."""
-# The other kinds of weather and load are composed with their defaults in tests/config/test_daily.py.
+# The other kinds of weather and load, and the trackers' skies, are composed with their defaults in tests/config.
 PLAIN = {"weather": ("constant",), "load": ("master_system",)}
 FILES = [
     path
