@@ -20,7 +20,7 @@ from benchmarks.protocol import Figure, Row, compared, interleaved, missing, onc
 from benchmarks.sheets import load
 from pipeline.converter.maps import maps
 from pipeline.converter.steady import sample_maps
-from pipeline.converter.steady_kernel import trace_samples
+from pipeline.converter.steady_kernel import from_start, trace_samples
 from pipeline.converter.switched import follow, gains, start
 from pipeline.converter.switched_records import SwitchedStage
 from pipeline.converter.topologies import INDUCTOR, LOW, ON, BatteryLoad, buck
@@ -127,7 +127,6 @@ def _error(found: np.ndarray, expected: np.ndarray) -> float:
 def rows() -> list[Row]:
     """Return a row a peer, and one of ours under its control, which costs more than a fixed duty."""
     settings = load("converter_parts/usual.yaml")
-    settings.pop("sources")
     stage = SwitchedStage(**settings)
     # One resistance for both switches, so that a deck needs a source alone.
     same = {"rectifier": "synchronous", "rectifier_resistance_ohm": stage.buck.on_resistance_ohm}
@@ -135,15 +134,14 @@ def rows() -> list[Row]:
     made, period_s = buck(buck_stage, BUS_V, BATTERY, np.inf), buck_stage.switching_period_s
     kernel = maps(made, period_s, SAMPLES)
     control = gains(buck_stage, BUS_V)
-    set_up_s, found = once(lambda: sample_maps(made, True, DUTY, period_s, SAMPLES)[0])
-    transposed = np.ascontiguousarray(found.transpose(0, 2, 1))
+    set_up_s, found = once(lambda: from_start(sample_maps(made, True, DUTY, period_s, SAMPLES)[0]))
 
     on, off = (tuple(made.generators[place].ravel()) for place in (ON, LOW))
 
     points = np.empty((PERIODS * SAMPLES + 1, 4))
 
     def ours() -> np.ndarray:
-        trace_samples(transposed, STATE, points)
+        trace_samples(found, STATE, points)
         return points[:, INDUCTOR]
 
     def controlled() -> np.ndarray:

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pipeline.converter.maps import exponential
-from pipeline.converter.steady_kernel import trace_samples
+from pipeline.converter.steady_kernel import from_start, trace_samples
 from pipeline.converter.topologies import DIODE, INDUCTOR, LOW, ON, ONE, SIZE, Topologies
 
 Array = NDArray[np.float64]
@@ -75,5 +75,5 @@ def trace(
     """
     made, _ = sample_maps(topologies, synchronous, duty, period_s, samples)
     points = np.empty((periods * samples + 1, SIZE))
-    trace_samples(np.ascontiguousarray(made.transpose(0, 2, 1)), np.asarray(state, dtype=np.float64), points)
+    trace_samples(from_start(made), np.asarray(state, dtype=np.float64), points)
     return points

@@ -1,4 +1,4 @@
-"""The kernel behind `steady.trace`: one matrix a sample."""
+"""The kernel behind `steady.trace`: one matrix a sample, each from the start of its period."""
 
 from __future__ import annotations
 
@@ -11,27 +11,39 @@ from pipeline.jit import kernel
 Array = NDArray[np.float64]
 
 
+def from_start(maps: Array) -> Array:
+    """Return the transposed maps from the start of a period to each of its samples, shape (samples, 4, 4).
+
+    Samples then wait for the period's start alone, not for one another.
+
+    Arguments
+    ---------
+    maps : those from each sample to the next, shape (samples, 4, 4).
+    """
+    found, whole = np.empty_like(maps), np.eye(SIZE)
+    for sample, one in enumerate(maps):
+        whole = one @ whole
+        found[sample] = whole.T
+    return found
+
+
 @kernel
-def trace_samples(transposed: Array, state: Array, points: Array) -> None:
+def trace_samples(maps: Array, state: Array, points: Array) -> None:
     """Fill in z at every sample.
 
     Arguments
     ---------
-    transposed : transposed maps of the samples of a period, shape (samples, 4, 4).
+    maps : as `from_start` returns them, shape (samples, 4, 4).
     state : z at the start, shape (4,).
     points : z at each sample and at the end, shape (periods samples + 1, 4).
     """
-    samples = transposed.shape[0]
-    for row in range(SIZE):
-        points[0, row] = state[row]
-    sample = 0
-    for here in range(points.shape[0] - 1):
-        a, b, c, d = points[here, 0], points[here, 1], points[here, 2], points[here, 3]
-        for row in range(SIZE):
-            points[here + 1, row] = (
-                transposed[sample, 0, row] * a
-                + transposed[sample, 1, row] * b
-                + transposed[sample, 2, row] * c
-                + transposed[sample, 3, row] * d
-            )
-        sample = sample + 1 if sample + 1 < samples else 0
+    samples, last = maps.shape[0], points.shape[0] - 1
+    a, b, c, d = state[0], state[1], state[2], state[3]
+    points[0, 0], points[0, 1], points[0, 2], points[0, 3] = a, b, c, d
+    for begin in range(0, last, samples):
+        for sample in range(min(samples, last - begin)):
+            m, point = maps[sample], points[begin + sample + 1]
+            for row in range(SIZE):
+                point[row] = (m[0, row] * a + m[1, row] * b) + (m[2, row] * c + m[3, row] * d)
+        end = points[min(begin + samples, last)]
+        a, b, c, d = end[0], end[1], end[2], end[3]
