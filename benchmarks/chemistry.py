@@ -8,11 +8,14 @@ from benchmarks import common_model, sheets
 from benchmarks.peers import engine
 from benchmarks.protocol import Figure, Row, compared, interleaved, once
 from pipeline.cell.records import Battery
+from pipeline.cell.resting import resting_voltage_v
 from pipeline.charge.records import Mode
 from pipeline.charge.simulate import warm_up
 
 PACKAGES = ("numba",)
 SECONDS, WHOLE_S = 300.0, 10800.0
+BEYOND = 1.9
+"""Voltage limit that no charge meets, over the voltage of the full battery at rest."""
 COMMON = "the common model's edge"
 
 
@@ -29,11 +32,11 @@ class Case(NamedTuple):
 def cases() -> dict[str, Case]:
     """Return the charges by name; currents go with capacity."""
     lead, nickel, lithium = (sheets.battery(name) for name in ("lead_acid_12v7ah", "nicd_2s_600mah", "lfp_8ah"))
-    pulses, unlimited = sheets.reflex(SECONDS), 100.0
+    pulses = sheets.reflex(SECONDS)
 
     def scaled(battery: Battery) -> Mode:
         scale = battery.capacity_in_use_ah / lead.capacity_in_use_ah
-        return sheets.reflex(SECONDS, limit_v=unlimited, scale=scale)
+        return sheets.reflex(SECONDS, limit_v=BEYOND * resting_voltage_v(battery, 0.99, 25.0), scale=scale)
 
     return {
         "lead-acid": Case(lead, pulses, 0.3, Figure(3.5, "at most")),
