@@ -134,7 +134,9 @@ def test_runs_of_the_protocol_are_the_first_of_the_published_constants(data):
 
 
 def test_a_battery_without_pairs_has_no_best_frequency(tmp_path):
-    found = ReportData(made(tmp_path, (*SMALL, "battery=nicd_2s_600mah")), {}, {})
+    voltages = [f"modes.{mode}.voltage_v=3.4" for mode in ("cc_cv", "cv_pulse", "cv_reflex")]
+    words = (*SMALL, "battery=nicd_2s_600mah", "~battery@second_battery", *voltages)
+    found = ReportData(made(tmp_path, words), {}, {})
     assert "optimal_frequency_hz" not in found.numbers("objective")
     assert len(found.table("objective", "map")["capacitance_f"]) == 0
     assert found.numbers("search")["frequency_hz"] == 1.0

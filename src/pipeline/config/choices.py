@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-import pickle
+import re
 import warnings
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
+from copy import deepcopy
 from dataclasses import dataclass
 from functools import lru_cache
 from pathlib import Path
@@ -20,26 +21,42 @@ from hydra.core.global_hydra import GlobalHydra
 from hydra.core.override_parser.types import Override
 from hydra.core.plugins import Plugins
 from hydra.types import RunMode
-from omegaconf import DictConfig, OmegaConf
+from omegaconf import OmegaConf
 
 from pipeline.config.files import DefaultsLists, Layer, Stamp
 from pipeline.config.inheritance import merge
 
+_INTERPOLATED = re.compile(r"\$\{\s*([A-Za-z_]\w*)?")
+
 
 @dataclass(frozen=True)
 class Choice:
-    """What a choice of files comes to: the configuration, pickled, and the files in the order of their merging."""
+    """What a choice of files comes to: the plain tree, and the files in the order of their merging."""
 
-    config: bytes
+    tree: dict[str, Any]
     layers: tuple[Layer, ...]
 
     def with_values(self, words: Sequence[Override]) -> dict[str, Any]:
-        """Return the plain tree with some values overridden, as Hydra would do it."""
-        config: DictConfig = pickle.loads(self.config)
+        """Return the tree with some values overridden and interpolations resolved, as Hydra would do it."""
+        moved = self._moved(words)
+        config = OmegaConf.create({key: value for key, value in self.tree.items() if key in moved})
+        OmegaConf.set_struct(config, True)
         ConfigLoaderImpl._apply_overrides_to_config(list(words), config)
         OmegaConf.set_struct(config, False)
-        tree: Any = OmegaConf.to_container(config, resolve=True, throw_on_missing=True)
-        return tree  # type: ignore[no-any-return]
+        done: Any = OmegaConf.to_container(config, resolve=True, throw_on_missing=True)
+        kept = {key: deepcopy(value) for key, value in self.tree.items() if key not in moved}
+        both: dict[str, Any] = kept | done
+        return {key: both[key] for key in self.tree if key in both} | both
+
+    def _moved(self, words: Sequence[Override]) -> set[str]:
+        """Return the sections that overrides and interpolations touch; only they need OmegaConf, which is slow."""
+        if any("${" in str(word.input_line) for word in words):
+            return set(self.tree)
+        moved = {word.key_or_group.split(".")[0] for word in words}
+        for key, value in self.tree.items():
+            named = set(_INTERPOLATED.findall(repr(value)))
+            moved |= {key, *named} if named else set()
+        return moved
 
 
 @lru_cache(maxsize=64)
@@ -62,9 +79,7 @@ def choose(words: tuple[str, ...], conf: Path, state: Stamp) -> Choice:
         for default in defaults
         if default.config_path is not None and not default.config_path.startswith("hydra/")
     )
-    merged = OmegaConf.create(merge(layers))
-    OmegaConf.set_struct(merged, True)
-    return Choice(pickle.dumps(merged), layers)
+    return Choice(merge(layers), layers)
 
 
 @contextmanager

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from types import UnionType
-from typing import Any, get_args, get_type_hints
+from typing import Any, get_args, get_origin, get_type_hints
 
 from pydantic import BaseModel, ValidationError
 from pydantic.fields import FieldInfo
@@ -157,13 +157,18 @@ def _known_names(model: type[BaseModel] | None, path: list[str]) -> list[str]:
 def _records(model: type[BaseModel] | None, path: Sequence[str]) -> list[type[BaseModel]]:
     """Return the records that may stand at a key path."""
     candidates = [model] if model is not None else []
-    for key in path:
-        following: list[type[BaseModel]] = []
-        for candidate in candidates:
-            field = candidate.model_fields.get(key)
-            annotation = field.annotation if field is not None else _extra_type(candidate)
-            following.extend(_models(annotation))
-        candidates = following or candidates if not key.isdigit() else candidates
+    names = iter(path)
+    for key in names:
+        if key.isdigit():
+            continue
+        fields = [candidate.model_fields.get(key) for candidate in candidates]
+        types = [
+            field.annotation if field is not None else _extra_type(candidate)
+            for field, candidate in zip(fields, candidates, strict=True)
+        ]
+        candidates = [found for annotation in types for found in _models(annotation)] or candidates
+        if any(_maps(annotation) for annotation in types):
+            next(names, None)  # the name of an entry
     return candidates
 
 
@@ -182,7 +187,12 @@ def _forms(model: type[BaseModel] | None, path: Sequence[str]) -> list[str]:
 
 
 def _extra_type(model: type[BaseModel]) -> Any:
-    return get_type_hints(model).get("__pydantic_extra__") if model.model_config.get("extra") == "allow" else None
+    """Return the type of the keys beside a record's fields, where it takes any."""
+    return get_args(get_type_hints(model)["__pydantic_extra__"])[1] if model.model_config["extra"] == "allow" else None
+
+
+def _maps(annotation: Any) -> bool:
+    return get_origin(annotation) is dict or any(_maps(part) for part in get_args(annotation))
 
 
 def _models(annotation: Any) -> list[type[BaseModel]]:

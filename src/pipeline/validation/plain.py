@@ -58,7 +58,7 @@ def pulsed(current_a: float, seconds: float, limit_v: float | None = None) -> Mo
 
 def held(voltage_v: float, seconds: float) -> Mode:
     """Return a voltage held for so long, by any current."""
-    return _mode({"constant_voltage": {"voltage_v": voltage_v, "max_current_a": 1000.0}}, seconds)
+    return _mode({"constant_voltage": {"voltage_v": voltage_v, "max_current_a": 100.0}}, seconds)
 
 
 def charged(
