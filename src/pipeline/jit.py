@@ -1,12 +1,14 @@
 """Compilation of the numerical kernels, with a cache that no edit can leave stale.
 
-numba files a compiled function under the time stamp of its own module and never looks at the modules it calls.
-Each module's kernels therefore lie in a folder named by the digest of the module and of all that it imports.
+numba files a compiled function under the place and content of its own module and never looks at the modules it calls.
+Each module's kernels therefore lie in a folder named by the digest of the module and of all that it imports, so that
+copies of the project share what they have in common.
 """
 
 from __future__ import annotations
 
 import os
+import tempfile
 from collections.abc import Callable
 from functools import cache
 from pathlib import Path
@@ -20,6 +22,7 @@ from numpy.typing import NDArray
 from pipeline import digest
 
 F = TypeVar("F", bound=Callable[..., Any])
+_LOCATORS = f"{__name__}.Folder,UserProvidedCacheLocator,InTreeCacheLocator,UserWideCacheLocator,IPythonCacheLocator"
 
 
 @cache
@@ -27,6 +30,36 @@ def cache_folder(module: str) -> Path:
     """Return the folder of a module's compiled kernels, for the sources as they are now."""
     root = Path(os.environ.get("CHARGE_PIPELINE_CACHE") or digest.PROJECT / ".cache")
     return root / "numba" / digest.of_code(module)[:16]
+
+
+class Folder:
+    """Where numba looks for the compiled form of a function of this package, by the content of its sources alone."""
+
+    def __init__(self, function: Callable[..., Any]) -> None:
+        self._path = cache_folder(function.__module__)
+        self._line = function.__code__.co_firstlineno
+
+    @classmethod
+    def from_function(cls, py_func: Callable[..., Any], py_file: str) -> Folder | None:
+        """Return the place of a function; none for those of other packages."""
+        return cls(py_func) if _ours(py_func) else None
+
+    def ensure_cache_path(self) -> None:
+        """Make the folder; raise `OSError` where nothing can be written there."""
+        self._path.mkdir(parents=True, exist_ok=True)
+        tempfile.TemporaryFile(dir=self._path).close()
+
+    def get_cache_path(self) -> str:
+        """Return the folder."""
+        return str(self._path)
+
+    def get_source_stamp(self) -> str:
+        """Return what tells an older form from a newer one: nothing, since they lie in folders of their own."""
+        return ""
+
+    def get_disambiguator(self) -> str:
+        """Return what tells functions of one name apart."""
+        return str(self._line)
 
 
 def jit(function: F) -> F:
@@ -73,10 +106,13 @@ def _compile(function: F, **options: bool) -> F:
 
 def _settings(function: Callable[..., Any]) -> dict[str, Any]:
     # Functions of other places (a notebook, a test) are compiled but not kept.
-    keep = function.__module__.split(".")[0] == "pipeline"
-    if keep:
-        # numba reads the folder when a function is decorated.
-        config.CACHE_DIR = str(cache_folder(function.__module__))  # type: ignore[attr-defined]
+    keep = _ours(function)
+    # numba reads this when a function is decorated.
+    config.CACHE_LOCATOR_CLASSES = _LOCATORS  # type: ignore[attr-defined]
     # The nodes of a step stand side by side in memory: four of them are one operation.
     config.SLP_VECTORIZE = 1  # type: ignore[attr-defined]
     return {"cache": keep, "fastmath": False, "error_model": "numpy"}
+
+
+def _ours(function: Callable[..., Any]) -> bool:
+    return function.__module__.split(".")[0] == "pipeline"
