@@ -206,6 +206,19 @@ def test_a_weather_is_one_day_of_its_file(tmp_path):
         own_series.weather_rows(card(path, date="2015-03-22"))
 
 
+def test_a_file_is_read_once_until_it_changes(tmp_path, monkeypatch):
+    path, read_it, asked = write(tmp_path, GOOD), series_file.read, []
+    monkeypatch.setattr(series_file, "read", lambda *given: asked.append(given) or read_it(*given))
+    first, again = own_series.weather_rows(card(path)), own_series.weather_rows(card(path, date="2015-03-20"))
+    assert len(asked) == 1
+    np.testing.assert_array_equal(first.ambient_c, again.ambient_c)
+    with pytest.raises(ValueError, match="read-only"):
+        first.ambient_c[0] = 0.0
+    write(tmp_path, GOOD.replace("15.1", "15.9"))
+    assert own_series.weather_rows(card(path)).ambient_c[1] == 15.9
+    assert len(asked) == 2
+
+
 def test_a_day_is_that_of_local_time(tmp_path):
     """In Taiwan the day of the 20th begins on the 19th of universal time."""
     path = write(tmp_path, DAYS.replace(":00,", ":00Z,"))

@@ -7,6 +7,7 @@ A weather is one local day. Times without an offset from universal time are loca
 from __future__ import annotations
 
 import datetime
+from functools import lru_cache
 from pathlib import Path
 from typing import Any
 
@@ -69,7 +70,7 @@ def load_rows(load: LoadProfile, date: datetime.date | None) -> Drawn | None:
     if not isinstance(load, MeasuredLoad):
         return None
     path = Path(load.file)
-    found = series_file.read(path, LOAD, fewest=1, utc_offset_h=load.utc_offset_h)
+    found = _read(path, "load", load.utc_offset_h)
     power_w = found.columns["power_w"]
     if found.date is None:
         if found.clock_s[0] != 0.0:
@@ -103,9 +104,23 @@ def without_digest(found: Any) -> dict[str, Any]:
     return {key: value for key, value in found.items() if key != "file_sha256"}
 
 
+def _read(path: Path, what: str, utc_offset_h: float | None) -> Series:
+    """Return a file's series; a plan asks for it several times, and a year by the minute takes seconds to read."""
+    return _read_once(path, what, utc_offset_h, digest.of_file(path) if path.is_file() else "")
+
+
+@lru_cache(maxsize=8)
+def _read_once(path: Path, what: str, utc_offset_h: float | None, content: str) -> Series:
+    allowed, fewest = (LOAD, 1) if what == "load" else (WEATHER, _FEWEST)
+    found = series_file.read(path, allowed, fewest, utc_offset_h)
+    for column in (found.clock_s, *found.columns.values()):
+        column.setflags(write=False)
+    return found
+
+
 def _weather(weather: MeasuredWeather) -> Series:
     path = Path(weather.file)
-    found = series_file.read(path, WEATHER, utc_offset_h=weather.utc_offset_h)
+    found = _read(path, "weather", weather.utc_offset_h)
     date = None if weather.date is None else datetime.date.fromisoformat(weather.date)
     found = found._replace(date=date) if found.date is None else _one_day(path, found, date)
     most = float(found.columns["irradiance_w_m2"].max())
