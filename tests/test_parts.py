@@ -65,6 +65,13 @@ def test_only_what_was_asked_for_is_told(plan: dict[str, Any], tmp_path: Path) -
     assert set(tell(plan, ["all"], results)) == {solar, nickel, *places.values(), *pages.values()}
 
 
+def test_the_end_is_told_once(plan: dict[str, Any], tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    file = planfile.save(plan, tmp_path / "results")
+    for config, lines in (({}, 4), ({"tell": False}, 0), ({"tell": "false"}, 0)):
+        Workflow({"plan": file, **config}, tmp_path / "results").tell()
+        assert len(capsys.readouterr().out.splitlines()) == lines
+
+
 def published(folder: Path, part: str, **artefacts: str) -> None:
     folder.mkdir(parents=True, exist_ok=True)
     shown = [{"path": f"results/s/r/{name}", "sha256": content} for name, content in artefacts.items()]

@@ -26,11 +26,13 @@ class Workflow:
 
         Arguments
         ---------
-        config : Snakemake's `--config`: `plan=FILE`, or `overrides="..."`, or nothing for the default studies.
+        config : Snakemake's `--config`: `plan=FILE`, or `overrides="..."`, or nothing for the default studies; and
+            `tell=false` where whoever called tells the end itself.
         tidy : delete receipts that the store no longer honours; not when another process runs the workflow.
         asked : words of the command line; studies that none of its targets needs are not composed.
         """
         self.results = results
+        self.tells = str(config.get("tell", True)).lower() != "false"
         self.file = _plan_file(config, results, asked)
         self.plan = planfile.load(self.file)
         for name in sorted({*planfile.TARGETS, *planfile.studies()} & set(asked)):
@@ -55,6 +57,8 @@ class Workflow:
 
     def tell(self) -> None:
         """Print which of the charges asked for missed all their goals, and where everything asked for is."""
+        if not self.tells:
+            return
         from pipeline.telling import tell
 
         for line in tell(self.plan, self.asked, self.results):
@@ -104,7 +108,7 @@ def forced(rule: str, settings: Any) -> bool:
 
 
 def _plan_file(config: Mapping[str, Any], results: Path, asked: Collection[str]) -> Path:
-    unknown = set(config) - {"plan", "overrides"}
+    unknown = set(config) - {"plan", "overrides", "tell"}
     if unknown:
         raise UserError(f'--config {", ".join(sorted(unknown))}: unknown; allowed are plan=FILE and overrides="..."')
     if config.get("plan"):

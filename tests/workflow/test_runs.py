@@ -15,6 +15,7 @@ import numpy as np
 import pytest
 
 from pipeline import digest, schemas, store, tables
+from pipeline.__main__ import main
 from tests.workflow.conftest import Project, copy_project, rules
 
 pytestmark = [pytest.mark.workflow, pytest.mark.xdist_group("workflow")]
@@ -104,7 +105,18 @@ MISTAKES = {
 
 
 @pytest.mark.parametrize("mistake", MISTAKES)
-def test_a_mistake_ends_with_one_message_before_anything_runs(mistake: str, tmp_path: Path) -> None:
+def test_a_mistake_ends_with_one_message_before_anything_runs(
+    mistake: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    assert main([mistake]) == 2
+    printed = capsys.readouterr()
+    _is_one_message(mistake, printed.out, printed.err)
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_it_ends_so_in_a_terminal(tmp_path: Path) -> None:
+    mistake = "battery.capacty_ah=7"
     done = subprocess.run(
         [sys.executable, "-m", "pipeline", mistake],
         capture_output=True,
@@ -113,12 +125,16 @@ def test_a_mistake_ends_with_one_message_before_anything_runs(mistake: str, tmp_
         env=os.environ | {"PYTHONPATH": str(digest.PACKAGE.parent)},
     )
     assert done.returncode == 2, done.stdout + done.stderr
-    assert done.stdout == ""
-    assert done.stderr.startswith("error: ")
-    assert "Traceback" not in done.stderr
-    for word in MISTAKES[mistake]:
-        assert word in done.stderr
+    _is_one_message(mistake, done.stdout, done.stderr)
     assert list(tmp_path.iterdir()) == []
+
+
+def _is_one_message(mistake: str, out: str, error: str) -> None:
+    assert out == ""
+    assert error.startswith("error: ")
+    assert "Traceback" not in error
+    for word in MISTAKES[mistake]:
+        assert word in error
 
 
 def test_snakemake_says_the_same_and_leaves_results_alone(project: Project) -> None:

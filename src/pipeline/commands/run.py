@@ -13,6 +13,7 @@ from pipeline.config.compose import compose_tree, expand, groups, options
 from pipeline.digest import PROJECT
 from pipeline.errors import UserError
 from pipeline.plan import make_plan
+from pipeline.telling import tell
 
 EXAMPLES = """\
 examples:
@@ -47,7 +48,12 @@ def main(arguments: Sequence[str]) -> int:
         f"{len(plan['chunks'])} jobs at most",
         flush=True,
     )
-    return _snakemake(file, options_)
+    code = _snakemake(file, options_)
+    if code == 0 and not options_.dry_run:
+        # Snakemake itself would say nothing where nothing was to be done.
+        for line in tell(plan, [options_.target], store.RESULTS):
+            print(line)
+    return code
 
 
 def _parser() -> argparse.ArgumentParser:
@@ -82,7 +88,7 @@ def _snakemake(plan: Path, choices: argparse.Namespace) -> int:
     command = [sys.executable, "-m", "snakemake", "--snakefile", str(PROJECT / "Snakefile")]
     command += ["--profile", str(PROJECT / "profiles" / "default"), "--cores", str(choices.cores)]
     command += ["--dry-run"] * choices.dry_run + ["--forceall"] * choices.force
-    command += [choices.target, "--config", f"plan={plan}"]
+    command += [choices.target, "--config", f"plan={plan}", "tell=false"]
     return subprocess.run(command, check=False).returncode
 
 
