@@ -68,6 +68,11 @@ def test_modes_and_weathers_can_be_chosen():
     assert {name for name in made if name.startswith("day/")} == {"day/clear/cc_cv", "day/half_cloudy/cc_cv"}
 
 
+def test_a_nickel_battery_can_have_a_day():
+    made = nodes("battery=nicd_2s_600mah", "modes.run=[constant_4c,plain_rule]", "~day.weathers.overcast")
+    assert {name for name in made if name.startswith("day/clear")} == {"day/clear/constant_4c", "day/clear/plain_rule"}
+
+
 def test_a_study_without_days_draws_none():
     made = nodes("~day")
     assert not {"weather", "daylight", "day"} & {node.step for node in made.values()}
