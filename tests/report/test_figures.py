@@ -25,10 +25,6 @@ def drawn(card, data) -> Figure:
     return found
 
 
-def test_every_figure_draws_with_units_on_its_axes(name, card, whole):
-    units_stand_on_the_axes(name, card, drawn(card, whole))
-
-
 def test_figures_of_charges_draw_on_every_kind_of_run(name, card, data):
     units_stand_on_the_axes(name, card, drawn(card, data))
 
@@ -55,11 +51,14 @@ def test_axes_stand_on_rounded_places_whatever_the_layout_solver_left(tmp_path):
     assert edges == pytest.approx([round(edge, 6) for edge in edges], abs=1e-15, rel=0.0)
 
 
-def test_every_figure_is_the_same_bytes_twice(name, card, whole, tmp_path):
+def test_every_figure_has_units_on_its_axes_and_is_the_same_bytes_twice(name, card, whole, tmp_path):
     for folder in ("first", "second"):
         (tmp_path / folder).mkdir()
+    with style.active():
+        drawing = module(card).draw(card, whole)
+        first = style.save(drawing, tmp_path / "first", name)
+    units_stand_on_the_axes(name, card, drawing)
     fresh = ReportData(whole.inputs, whole.modes, whole.comparisons, whole.settings, whole.cells)
-    first = draw(name, card, whole, tmp_path / "first")
     second = draw(name, card, fresh, tmp_path / "second")
     assert [path.name for path in first] == [f"{name}.svg", f"{name}.png"]
     for one, other in zip(first, second, strict=True):

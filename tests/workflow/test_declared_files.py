@@ -12,7 +12,7 @@ import pytest
 from pipeline.plan import STEP_FILES
 from tests.workflow.conftest import Project
 
-pytestmark = [pytest.mark.workflow, pytest.mark.slow, pytest.mark.xdist_group("workflow")]
+pytestmark = [pytest.mark.workflow, pytest.mark.slow]
 
 WATCH = """
 import json, os, sys

@@ -17,7 +17,7 @@ from tests.steps.network_artefacts import SMALL
 from tests.workflow.conftest import Project, copy_parts
 from tests.workflow.test_declared_files import opens_only_what_it_declared
 
-pytestmark = [pytest.mark.workflow, pytest.mark.slow, pytest.mark.xdist_group("workflow")]
+pytestmark = [pytest.mark.workflow, pytest.mark.slow]
 
 FEWER = ("trade_off.c_rates=[4.0,8.0]", "ensemble.samples=1")
 

@@ -10,7 +10,7 @@ import pytest
 from pipeline import store
 from tests.workflow.conftest import Project, rules
 
-pytestmark = [pytest.mark.workflow, pytest.mark.slow, pytest.mark.xdist_group("workflow")]
+pytestmark = [pytest.mark.workflow, pytest.mark.slow]
 SUPPLY = {"fit_panel", "power_supply", "try_trackers", "follow_daylight"}
 AFTER_CHARGES = {"switch_converters", "judge_statements", "draw_figures", "write_page", "publish_run"}
 CHARGES = {"charge_battery", "charge_ensemble", "charge_over_day"}

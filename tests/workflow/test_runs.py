@@ -18,7 +18,7 @@ from pipeline import digest, schemas, store, tables
 from pipeline.__main__ import main
 from tests.workflow.conftest import Project, copy_project, rules
 
-pytestmark = [pytest.mark.workflow, pytest.mark.xdist_group("workflow")]
+pytestmark = [pytest.mark.workflow]
 
 
 def _manifest(project: Project, run: str = "default") -> dict[str, object]:
@@ -148,7 +148,7 @@ def test_snakemake_says_the_same_and_leaves_results_alone(project: Project) -> N
 def test_a_killed_run_goes_on_with_the_same_command(tmp_path: Path) -> None:
     project = copy_project(tmp_path / "project")
     environment = os.environ | {"PYTHONPATH": str(project.folder / "src")}
-    command = [sys.executable, "-m", "snakemake", "--cores", "2", "panel"]
+    command = [sys.executable, "-m", "snakemake", "--cores", "2", "tuning"]
     job = subprocess.Popen(
         command,
         cwd=project.folder,
@@ -163,7 +163,7 @@ def test_a_killed_run_goes_on_with_the_same_command(tmp_path: Path) -> None:
         time.sleep(0.01)
     os.killpg(job.pid, signal.SIGKILL)
     job.wait()
-    project.snakemake("panel")
-    assert "artefacts whole, 0 damaged" in project.run("pipeline", "store", "verify")
-    assert (project.folder / "results/solar_reflex/default/panel/points.parquet").is_file()
+    project.snakemake("tuning")
+    assert "1 artefacts whole, 0 damaged" in project.run("pipeline", "store", "verify")
+    assert (project.folder / "results/solar_reflex/default/tuning/rerun.runs.parquet").is_file()
     subprocess.run(["chmod", "-R", "u+w", str(project.folder)], check=True)

@@ -10,7 +10,7 @@ import pytest
 from pipeline import store
 from tests.workflow.conftest import Project
 
-pytestmark = [pytest.mark.workflow, pytest.mark.xdist_group("workflow")]
+pytestmark = [pytest.mark.workflow]
 
 
 def test_a_forced_job_that_finds_something_else_names_it(restored: Project) -> None:
