@@ -69,7 +69,8 @@ def test_modes_and_weathers_can_be_chosen():
 
 
 def test_a_nickel_battery_can_have_a_day():
-    made = nodes("battery=nicd_2s_600mah", "modes.run=[constant_4c,plain_rule]", "~day.weathers.overcast")
+    parts = ("+panel=kc65t", "+weather=constant", "+converter=fixed_efficiency", "+load=master_system", "+day=taichung")
+    made = nodes("study=nicd_grnn", *parts, "modes.run=[constant_4c,plain_rule]")
     assert {name for name in made if name.startswith("day/clear")} == {"day/clear/constant_4c", "day/clear/plain_rule"}
 
 
