@@ -78,6 +78,15 @@ def test_a_dim_supply_ends_no_plain_charge():
     assert found["end_reason"] == "stop: elapsed 600 s"
 
 
+def test_pauses_are_no_time_at_a_limit():
+    """What flows at rest is rounding: the three limits share the time of charging, to the last step."""
+    conditions = AT.model_copy(update={"initial_soc": 0.5})
+    found = day(MODES["dT/dt"], sun([AMPLE_W, 0.3] * 5, interval_s=120.0, ambient_c=30.0), conditions)
+    assert sum(change.after == OFF for change in found.changes) > 1
+    shares = found.current_limited_s + found.voltage_limited_s + found.supply_limited_s
+    assert shares == pytest.approx(found.charging_s, rel=1e-9)
+
+
 def test_readings_do_not_hold_over_a_pause():
     """After a cloud the network sees the temperature and no rate, though the battery has cooled in between."""
     around = sun([AMPLE_W] * 2 + [0.0] * 5 + [AMPLE_W] * 2, interval_s=90.0, ambient_c=30.0)

@@ -56,8 +56,10 @@ SAMPLE_COLUMNS = 17
 PHASE_COLUMNS = 8
 WAVEFORM_COLUMNS = 6
 POINTS_PER_SEGMENT = 24
-# A stop at a mark ends the charge within this of it; a rest takes in less of the capacity in a second.
+# A stop at a mark ends the charge within this of it.
 _ROUNDING = 1e-12
+# Share of the capacity that a rest, which takes in rounding alone, stays below.
+_AT_REST_PER_S = 1e-9
 
 
 class Book(NamedTuple):
@@ -86,7 +88,7 @@ def add_step(cell: Cell, run: Run, book: Book, length_s: float) -> None:
         sums[VOLTAGE_LIMITED_S] += length_s
     elif run.control == POWER_CONTROL:
         sums[SUPPLY_LIMITED_S] += length_s
-    elif gain[CHARGE] > _ROUNDING * cell.charge_as * length_s:
+    elif gain[CHARGE] > _AT_REST_PER_S * cell.charge_as * length_s:
         sums[CURRENT_LIMITED_S] += length_s
     for n in range(PAIR_HEAT + cell.pairs + cell.acceptance):
         book.recent_gains[n] += gain[n]
