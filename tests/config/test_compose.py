@@ -101,6 +101,21 @@ def test_an_edited_file_is_read_again(tmp_path: Path) -> None:
         assert compose_tree([], conf).tree["battery"]["capacity_ah"] == capacity
 
 
+@pytest.mark.parametrize(
+    ("word", "told"),
+    [
+        ("day=null", "override day=null: a group is left out with ~day"),
+        ("battery@second_battery=null", "a group is left out with ~battery@second_battery"),
+        ("~dy", "override ~dy: the configuration has no key 'dy'; best matches are: day"),
+        ("~staging", "override ~staging: this study has no staging; it has: battery, "),
+        ("~modes.cc_cv.volts_v", "override ~modes.cc_cv.volts_v: modes.cc_cv has no key 'volts_v'; .* voltage_v"),
+    ],
+)
+def test_what_is_not_there_cannot_be_left_out(word: str, told: str) -> None:
+    with pytest.raises(UserError, match=told):
+        compose_tree([word])
+
+
 def test_several_values_are_no_run() -> None:
     for word in ("battery.capacity_ah=7,8", "battery=lfp_8ah,lead_acid_12v7ah"):
         with pytest.raises(UserError, match=f"override {word}: several values make a sweep"):

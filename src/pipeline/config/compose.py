@@ -81,6 +81,9 @@ def _compose(words: Sequence[str], told: tuple[str, ...], conf: Path) -> Compose
     sweep = next((word for word in parsed if word.is_sweep_override()), None)
     if sweep is not None:
         raise UserError(f"override {sweep.input_line}: several values make a sweep, not one run; give one of them")
+    empty = next((word for word in parsed if _chooses(word, conf) and word.value() is None), None)
+    if empty is not None and not empty.is_delete():
+        raise UserError(f"override {empty.input_line}: a group is left out with ~{empty.get_key_element()}")
     choices = [str(word.input_line) for word in parsed if _chooses(word, conf)]
     values = [word for word in parsed if not _chooses(word, conf)]
     try:
@@ -174,7 +177,7 @@ def _refused(error: Exception, words: Iterable[str], conf: Path) -> UserError:
     parser = OverridesParser.create()
     for word in words:
         parsed = parser.parse_override(word)
-        if parsed.is_add() or parsed.is_delete() or f"'{parsed.key_or_group}'" not in str(error):
+        if parsed.is_add() or f"'{parsed.key_or_group}'" not in str(error):
             continue
         chosen = [other for other in words if other.split("=")[0] in groups(conf) and other != word]
         keys = parsed.key_or_group.split(".")
