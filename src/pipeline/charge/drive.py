@@ -8,15 +8,13 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from pipeline.cell.circuit import Cell
 from pipeline.charge.averaged import begin_strides, next_periods
 from pipeline.charge.controller import Control, begin, next_current
-from pipeline.charge.period import EXHAUSTED, TICK, Clock, run_periods
+from pipeline.charge.period import EXHAUSTED, TICK, run_periods
 from pipeline.charge.program import Program
 from pipeline.charge.record_keeping import Book, reset_extremes, take_sample
 from pipeline.charge.segment import EDGE, FAILED, LIMITS, NOTHING
-from pipeline.charge.state import DEPTH, TEMPERATURE, Run
-from pipeline.charge.stride import Stride
+from pipeline.charge.state import DEPTH, TEMPERATURE
 from pipeline.charge.watching import NO_PEAK
 from pipeline.jit import kernel
 
@@ -26,16 +24,16 @@ _ENDLESS = 1 << 62
 
 @kernel
 def run_program(
-    cell: Cell,
+    cells: NDArray[Any],
     program: Program,
     control: Control,
     supply_time_s: NDArray[np.float64],
     supply_power_w: NDArray[np.float64],
-    run: Run,
+    runs: NDArray[Any],
     book: Book,
-    clock: Clock,
-    strides: Stride,
-    own: Clock,
+    clocks: NDArray[Any],
+    stride_records: NDArray[Any],
+    own_clocks: NDArray[Any],
     scratch: Book,
     ambient_k: float,
     tolerance: float,
@@ -46,14 +44,19 @@ def run_program(
 
     Arguments
     ---------
+    cells : the battery's `Cell`; it and the other records come each in an array of one (`jit.by_reference`).
     control : what decides the currents of sampled courses.
     supply_time_s, supply_power_w : power at the terminals, constant from each time on, (m,).
-    run, book, clock : state to start from, arrays to write into, time.
-    strides, own, scratch : what strides need: their record, and clock and book of the periods at their nodes.
+    runs, book, clocks : state to start from, arrays to write into, time.
+    stride_records, own_clocks, scratch : what strides need: their record, and clock and book of the periods at their
+        nodes.
     """
+    cell, run, clock, strides, own = cells[0], runs[0], clocks[0], stride_records[0], own_clocks[0]
     group_start_s = 0.0
     reset_extremes(book)
-    course, clock.group = 0, -1
+    # Not literals: numba would compile what takes them twice.
+    course, nothing = int(np.int64(0)), int(np.int64(NOTHING))
+    clock.group = -1
     while course < len(program.segments):
         if program.group[course] != clock.group:
             clock.group = program.group[course]
@@ -73,7 +76,7 @@ def run_program(
             if sampled:
                 begin(control)
         run.resumed = False
-        reason = ended = NOTHING
+        reason = ended = nothing
         while reason == NOTHING:
             count = _ENDLESS
             if sampled:
@@ -108,28 +111,3 @@ def run_program(
             course += 1
     take_sample(cell, run, book, clock.time_s, clock.group)
     return DONE
-
-
-@kernel
-def run_from_python(
-    cells: NDArray[Any],
-    program: Program,
-    control: Control,
-    supply_time_s: NDArray[np.float64],
-    supply_power_w: NDArray[np.float64],
-    runs: NDArray[Any],
-    book: Book,
-    clocks: NDArray[Any],
-    strides: NDArray[Any],
-    own: NDArray[Any],
-    scratch: Book,
-    ambient_k: float,
-    tolerance: float,
-    maximum_step_s: float,
-    maximum_steps: int,
-) -> int:
-    """Do as `run_program`, each record in an array of one."""
-    return run_program(
-        cells[0], program, control, supply_time_s, supply_power_w, runs[0], book, clocks[0], strides[0], own[0],
-        scratch, ambient_k, tolerance, maximum_step_s, maximum_steps,
-    )  # fmt: skip

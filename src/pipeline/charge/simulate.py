@@ -134,7 +134,7 @@ def launch(
     engine: EngineSettings,
 ) -> int:
     """Run a compiled program from a state; return how it went."""
-    return drive.run_from_python(
+    return drive.run_program(
         by_reference(cell),
         program,
         control,

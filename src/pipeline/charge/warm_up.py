@@ -32,7 +32,4 @@ _MODE = Mode.model_validate(
 def compile_kernels() -> list[str]:
     """Run a fraction of a second of a charge, which compiles everything it calls; return the kernels' names."""
     simulate(_BATTERY, _MODE, BENCH, ChargeSettings(initial_soc=0.5, ambient_c=25.0), EngineSettings())
-    return [
-        kernel.__name__
-        for kernel in (drive.run_from_python, drive.run_program, period.run_periods, enthalpy, value_and_slope)
-    ]
+    return [kernel.__name__ for kernel in (drive.run_program, period.run_periods, enthalpy, value_and_slope)]
