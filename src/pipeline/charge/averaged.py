@@ -21,7 +21,7 @@ from pipeline.charge.record_keeping import Book, reset_extremes
 from pipeline.charge.segment import NOTHING
 from pipeline.charge.state import DEPTH, RELAXATIONS, Run
 from pipeline.charge.stride import END, FIRST, TRIED, Stride, copy, move, weigh
-from pipeline.jit import inlined, kernel
+from pipeline.jit import inlined
 
 # What a stride is at: nothing, its first period, those at its nodes, those that tell slopes.
 _IDLE, _AT_START, _AT_NODES, _AT_SLOPES = range(4)
@@ -48,7 +48,7 @@ def begin_strides(stride: Stride) -> None:
     stride.proposal, stride.last, stride.sloped, stride.phase = 0.0, 0, 0, _IDLE
 
 
-@kernel
+@inlined
 def next_periods(
     cell: Cell,
     program: Program,

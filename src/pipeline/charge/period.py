@@ -42,7 +42,7 @@ from pipeline.charge.segment import (
 )
 from pipeline.charge.state import DEPTH, Run
 from pipeline.charge.watching import look_at_start, peak_until, renew_peak
-from pipeline.jit import kernel, new_record
+from pipeline.jit import inlined, kernel, new_record
 
 EXHAUSTED = -3
 TICK = 1e-9
@@ -74,7 +74,7 @@ def new_clock(sample_interval_s: float) -> Clock:
     return clock
 
 
-@kernel
+@inlined
 def run_periods(
     cell: Cell,
     program: Program,
