@@ -5,13 +5,25 @@ from __future__ import annotations
 import datetime
 from collections.abc import Callable, Sequence
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Annotated, Any, NamedTuple, TypeAlias
+
+from pydantic import Field
 
 from pipeline.errors import UserError
 
 TIMES = ("time_s", "time")
 """Names of the column of time: seconds since midnight; or ISO 8601, a date and a time, or a time of day alone."""
 DAY_S = 86400.0
+FileOffset: TypeAlias = Annotated[
+    float | None,
+    Field(
+        ge=-12,
+        le=14,
+        description="local time less universal time, for a file whose times carry an offset; without, they are local "
+        "as they stand there [h]",
+    ),
+]
+"""The key `utc_offset_h` of a record that names a file."""
 _SECONDS = "a time of day from 0 to below 86400 s; a file of more than a day has dates, in a column time [ISO 8601]"
 _WANTED = "a time as 2015-03-20T06:30:00, or a time of day as 06:30"
 _MIDNIGHT = datetime.time()

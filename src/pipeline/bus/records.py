@@ -9,6 +9,7 @@ from pydantic import Discriminator, Field, Tag, model_validator
 
 from pipeline.converter.records import Load
 from pipeline.record import Record
+from pipeline.series_clock import FileOffset
 
 
 class FromHour(Record):
@@ -46,13 +47,7 @@ class MeasuredLoad(Record):
     kind: Literal["table"] = "table"
     title: str = Field(min_length=1, description="name of the load, for people")
     file: str = Field(description="CSV or Parquet file; relative paths start from the working folder")
-    utc_offset_h: float | None = Field(
-        default=None,
-        ge=-12,
-        le=14,
-        description="local time less universal time, for a file whose times carry an offset; without, they are local "
-        "as they stand there [h]",
-    )
+    utc_offset_h: FileOffset = None
 
 
 def _kind(value: Any) -> str:

@@ -9,6 +9,7 @@ from pydantic import AfterValidator, Field, model_validator
 
 from pipeline.panel.records import ConstantWeather
 from pipeline.record import Record
+from pipeline.series_clock import FileOffset
 
 _MOST_OFF_H = 4.0
 
@@ -156,13 +157,7 @@ class MeasuredWeather(Record):
         default=None,
         description="local day that is taken of the file, needed where it has several; day of a file of times of day",
     )
-    utc_offset_h: float | None = Field(
-        default=None,
-        ge=-12,
-        le=14,
-        description="local time less universal time, for a file whose times carry an offset; without, they are local "
-        "as they stand there [h]",
-    )
+    utc_offset_h: FileOffset = None
     longest_gap_s: float = Field(
         default=600.0, ge=0, description="longest gap in the file that is interpolated; a longer one is dark [s]"
     )
