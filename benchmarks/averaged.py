@@ -14,9 +14,8 @@ from benchmarks import common_model, sheets
 from benchmarks.peers import engine
 from benchmarks.protocol import Figure, Row, compared, interleaved, once
 from pipeline.cell.records import Battery
-from pipeline.charge.many import Task, simulate_many
 from pipeline.charge.records import ChargeSettings, EngineSettings, Mode
-from pipeline.charge.simulate import BENCH, Charge, simulate, warm_up
+from pipeline.charge.simulate import BENCH, Charge, Task, simulate, simulate_many, warm_up
 
 PACKAGES = ("numba",)
 SECONDS, SIZE = 3600.0, 64

@@ -7,8 +7,7 @@ from typing import NamedTuple
 from benchmarks import common_model, sheets
 from benchmarks.peers import engine
 from benchmarks.protocol import Figure, Row, compared, interleaved, once
-from pipeline.cell.records import Battery
-from pipeline.cell.resting import resting_voltage_v
+from pipeline.cell.records import Battery, resting_voltage_v
 from pipeline.charge.records import Mode
 from pipeline.charge.simulate import warm_up
 

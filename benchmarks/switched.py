@@ -18,12 +18,10 @@ from scipy.integrate import solve_ivp
 from benchmarks.peers import ngspice
 from benchmarks.protocol import Figure, Row, compared, interleaved, missing, once
 from benchmarks.sheets import load
-from pipeline.converter.maps import maps
-from pipeline.converter.steady import sample_maps
-from pipeline.converter.steady_kernel import from_start, trace_samples
+from pipeline.converter.records import SwitchedStage
+from pipeline.converter.steady import from_start, sample_maps, trace_samples
 from pipeline.converter.switched import follow, gains, start
-from pipeline.converter.switched_records import SwitchedStage
-from pipeline.converter.topologies import INDUCTOR, LOW, ON, BatteryLoad, buck
+from pipeline.converter.topologies import INDUCTOR, LOW, ON, BatteryLoad, buck, maps
 
 PACKAGES = ("numba", "scipy", "ngspice")
 PERIODS, SAMPLES, DUTY, BUS_V = 2500, 20, 0.57, 24.0

@@ -15,9 +15,9 @@ from pipeline.digest import PACKAGE
 from pipeline.jit import Folder, cache_folder, kernel
 
 ASK = """
-from pipeline.search import half_turns
-half_turns.sine_squared(0.3)
-found = half_turns.sine_squared.stats
+from pipeline.search import compiled
+compiled.sine_squared(0.3)
+found = compiled.sine_squared.stats
 print(sum(found.cache_hits.values()), sum(found.cache_misses.values()))
 """
 
@@ -52,7 +52,7 @@ def test_copies_share_what_is_compiled_until_one_is_edited(tmp_path: Path, cache
     first, second = copied(tmp_path / "first"), copied(tmp_path / "second")
     assert asked(first, cache) == (0, 1)
     assert asked(second, cache) == (1, 0)
-    file = second / "pipeline" / "search" / "half_turns.py"
+    file = second / "pipeline" / "search" / "compiled.py"
     file.write_text(file.read_text().replace("_TERMS = 12", "_TERMS = 11"))
     assert asked(second, cache) == (0, 1)
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import Any
 
-from pipeline.cell.resting import value_of
+from pipeline.cell.records import value_of
 from pipeline.config.searching import found_values, pulsed_modes, searches
 from pipeline.config.study import Study
 from pipeline.draft import Draft, plain

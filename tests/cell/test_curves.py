@@ -4,8 +4,7 @@ from scipy.integrate import quad
 
 from pipeline.cell.circuit import CELL
 from pipeline.cell.curves import compile_curves, integral, value_and_slope
-from pipeline.cell.records import Inverse, Logarithm, Polynomial, Root, Shepherd, Tabulated
-from pipeline.cell.resting import value_of
+from pipeline.cell.records import Inverse, Logarithm, Polynomial, Root, Shepherd, Tabulated, value_of
 
 CURVES = {
     "constant": 3.2,

@@ -3,9 +3,8 @@
 import numpy as np
 import pytest
 
-from pipeline.charge.many import Task, simulate_many
 from pipeline.charge.records import EngineSettings, Mode
-from pipeline.charge.simulate import BENCH, simulate
+from pipeline.charge.simulate import BENCH, Task, simulate, simulate_many
 from pipeline.errors import UserError
 from tests.charge.samples import BATTERIES, MODES, SUITED, battery, load, settings, suited_mode
 

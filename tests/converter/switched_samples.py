@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from pipeline.converter.switched_records import CurrentControl, SwitchedBoost, SwitchedBuck
+from pipeline.converter.records import CurrentControl, SwitchedBoost, SwitchedBuck
 from pipeline.converter.topologies import BatteryLoad
 
 BUS_V = 24.0

@@ -10,9 +10,8 @@ from hypothesis import strategies as st
 from pydantic import ValidationError
 
 from pipeline import schemas, tables
-from pipeline.converter.chain import battery_power, unserved_load_w
-from pipeline.converter.checks import check
-from pipeline.converter.records import Converter, Load, PowerChain
+from pipeline.converter.efficiency import battery_power, unserved_load_w
+from pipeline.converter.records import Converter, Load, PowerChain, check
 from pipeline.errors import UserError
 
 CONF = Path(__file__).parents[2] / "conf"

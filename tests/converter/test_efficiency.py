@@ -9,8 +9,7 @@ import pytest
 import yaml
 
 from pipeline import schemas_supply, tables
-from pipeline.converter.chain import battery_power
-from pipeline.converter.efficiency import boost_efficiency, buck_efficiency, loads
+from pipeline.converter.efficiency import battery_power, boost_efficiency, buck_efficiency, loads
 from pipeline.converter.efficiency_map import against_switches, efficiency_map, quantities
 from pipeline.converter.loss_kernel import COLUMNS
 from pipeline.converter.records import Load, PowerChain

@@ -11,9 +11,7 @@ import pytest
 import yaml
 from pydantic import TypeAdapter
 
-from pipeline.converter.loss_records import ChainLosses
-from pipeline.converter.records import Load, PowerChain
-from pipeline.converter.switched_records import SwitchedStage
+from pipeline.converter.records import ChainLosses, Load, PowerChain, SwitchedStage
 from pipeline.panel.database import PanelEntry
 from pipeline.panel.records import ConstantWeather, Panel
 from pipeline.tracker.records import AnyTracker
@@ -83,7 +81,7 @@ def numbers(value):
 
 def test_records_import_nothing_heavy():
     code = (
-        "import sys, pipeline.panel.records, pipeline.converter.records, pipeline.converter.checks\n"
+        "import sys, pipeline.panel.records, pipeline.converter.records\n"
         "import pipeline.panel.database, pipeline.tracker.records, pipeline.tracker.tracking_records\n"
         "print([m for m in ('numba', 'scipy', 'pvlib', 'matplotlib', 'pandas', 'numpy') if m in sys.modules])"
     )

@@ -7,7 +7,6 @@ import pytest
 from scipy.integrate import solve_ivp
 
 from pipeline.converter.discontinuous import discontinuous_point
-from pipeline.converter.maps import exponential, maps
 from pipeline.converter.steady import steady_state, trace
 from pipeline.converter.switched import follow, gains, run_buck, start
 from pipeline.converter.switched_quantities import of_boost, operating_point
@@ -24,6 +23,8 @@ from pipeline.converter.topologies import (
     Topologies,
     boost,
     buck,
+    exponential,
+    maps,
 )
 from tests.converter.switched_samples import BATTERY, BUS_V, boost_stage, buck_stage
 

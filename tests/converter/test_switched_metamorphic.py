@@ -5,9 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from pipeline.converter.maps import maps
 from pipeline.converter.switched import follow, gains, run_buck, start
-from pipeline.converter.topologies import BatteryLoad, buck
+from pipeline.converter.topologies import BatteryLoad, buck, maps
 from tests.converter.switched_samples import BATTERY, BUS_V, buck_stage, pulses
 
 

@@ -6,8 +6,7 @@ import numpy as np
 import pytest
 
 from pipeline.grnn.anfis import Anfis, error_and_slopes, fit_planes, learn, nodes, predict
-from pipeline.grnn.data import data_of
-from pipeline.grnn.records import AnfisSettings
+from pipeline.grnn.records import AnfisSettings, data_of
 
 SETTINGS = AnfisSettings(temperature_sets=3, gradient_sets=2, epochs=30, step=0.1)
 

@@ -6,8 +6,7 @@ import numpy as np
 import pytest
 
 from pipeline.grnn.error import Form, candidates, errors, network_of
-from pipeline.grnn.kernels import KERNELS
-from pipeline.grnn.network import responses
+from pipeline.grnn.network import KERNELS, responses
 
 
 @pytest.mark.parametrize("kernel", KERNELS)

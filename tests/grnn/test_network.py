@@ -10,8 +10,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from pipeline.grnn.comparison import units
-from pipeline.grnn.kernels import KERNELS
 from pipeline.grnn.network import (
+    KERNELS,
     command,
     make_network,
     network_fields,

@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 from pipeline.grnn.comparison import after, compare, sizes
-from pipeline.grnn.data import data_of
 from pipeline.grnn.error import Form
+from pipeline.grnn.records import data_of
 from pipeline.grnn.selection import genetic, greedy
 from pipeline.grnn.selection.least_squares import orthogonal
 from pipeline.grnn.selection.medoids import medoids

@@ -6,8 +6,7 @@ import numpy as np
 import pytest
 from pydantic import ValidationError
 
-from pipeline.grnn.data import data_of
-from pipeline.grnn.records import PlateauRamp, PlateauSteps
+from pipeline.grnn.records import PlateauRamp, PlateauSteps, data_of
 from pipeline.grnn.surfaces import Printed, agreements, rate
 from pipeline.steps.networks import printed_rows
 

@@ -4,12 +4,25 @@ import numpy as np
 import pytest
 from scipy.optimize import minimize_scalar
 
-from pipeline.objective.error import error_mw, integral_square_error, objective
-from pipeline.objective.impedance import impedance_minimum_hz, impedance_ohm, resonance_hz
-from pipeline.objective.loss import breakdown, discharge_resistor_loss_w, frequency_loss_w, switching_energy_j
+from pipeline.objective.loss import (
+    breakdown,
+    discharge_resistor_loss_w,
+    error_mw,
+    frequency_loss_w,
+    integral_square_error,
+    objective,
+    switching_energy_j,
+)
 from pipeline.objective.records import Transistor, Waveform
+from pipeline.objective.ripple import (
+    impedance_minimum_hz,
+    impedance_ohm,
+    mean_current_a,
+    resonance_hz,
+    ripple_square_a2,
+    steps,
+)
 from pipeline.objective.summary import quantities
-from pipeline.objective.waveform import mean_current_a, ripple_square_a2, steps
 
 ENERGY = 3.757e-6
 FREQUENCIES = [1, 10, 30, 50, 70, 90, 120, 200, 500, 1000]

@@ -3,8 +3,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from pipeline.objective.error import error_mw, integral_square_error, objective
-from pipeline.objective.loss import switching_energy_j
+from pipeline.objective.loss import error_mw, integral_square_error, objective, switching_energy_j
 from pipeline.objective.optimum import (
     band_hz,
     contour_energy_j,
@@ -14,7 +13,7 @@ from pipeline.objective.optimum import (
     with_capacitance,
 )
 from pipeline.objective.records import Pairs, Waveform
-from pipeline.objective.waveform import steps, switched_currents_a
+from pipeline.objective.ripple import steps, switched_currents_a
 from pipeline.search.algorithms import sweep
 
 ENERGY = 3.757e-6

@@ -9,8 +9,16 @@ from hypothesis import strategies as st
 from scipy.integrate import solve_ivp
 
 from pipeline.objective.records import Pairs, Waveform
-from pipeline.objective.ripple import pair_loss_w, pair_slope_j, passed_square_a2
-from pipeline.objective.waveform import Steps, mean_current_a, ripple_square_a2, steps, switched_currents_a
+from pipeline.objective.ripple import (
+    Steps,
+    mean_current_a,
+    pair_loss_w,
+    pair_slope_j,
+    passed_square_a2,
+    ripple_square_a2,
+    steps,
+    switched_currents_a,
+)
 
 CYCLES = np.geomspace(1e-3, 1e3, 61)
 

@@ -4,8 +4,14 @@ import numpy as np
 import pytest
 from scipy.stats import mannwhitneyu
 
-from pipeline.search.comparison import compare, final_distance, iterations_within
-from pipeline.search.effect import effect, mean_with_interval, vargha_delaney
+from pipeline.search.comparison import (
+    compare,
+    effect,
+    final_distance,
+    iterations_within,
+    mean_with_interval,
+    vargha_delaney,
+)
 from pipeline.search.history import History, iterations_until
 
 

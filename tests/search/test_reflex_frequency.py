@@ -8,11 +8,10 @@ import numpy as np
 import pytest
 import yaml
 
-from pipeline.objective.error import objective
-from pipeline.objective.loss import switching_energy_j
+from pipeline.objective.loss import objective, switching_energy_j
 from pipeline.objective.optimum import optimal_frequency_hz
 from pipeline.objective.records import Pairs, ReflexFrequency, Waveform
-from pipeline.objective.waveform import steps, switched_currents_a
+from pipeline.objective.ripple import steps, switched_currents_a
 from pipeline.search.comparison import compare, final_distance, iterations_within
 from pipeline.search.registry import replicated, settings_from
 

@@ -6,9 +6,8 @@ import numpy as np
 import pytest
 from scipy.stats import f_oneway
 
-from pipeline.taguchi.analysis import chosen_levels, level_sums, predicted, rank, run_at, signal_to_noise_db
+from pipeline.taguchi.analysis import anova, chosen_levels, level_sums, predicted, rank, run_at, signal_to_noise_db
 from pipeline.taguchi.arrays import full_factorial, standard
-from pipeline.taguchi.variance import anova
 
 NAMES = ("c1", "c2", "w")
 

@@ -6,7 +6,7 @@ import pytest
 import yaml
 from pydantic import TypeAdapter
 
-from pipeline.converter.switched_records import SwitchedBoost
+from pipeline.converter.records import SwitchedBoost
 from pipeline.panel.records import Panel
 from pipeline.panel.single_diode import fit
 from pipeline.tracker.records import AnyTracker

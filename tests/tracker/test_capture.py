@@ -7,7 +7,7 @@ import pytest
 
 from pipeline.errors import UserError
 from pipeline.tracker.capture import available, capture, course
-from pipeline.tracker.loop_kernel import KINDS
+from pipeline.tracker.loop import KINDS
 from pipeline.tracker.ramps import profile
 from pipeline.tracker.skies import captured
 from pipeline.tracker.steady import settling, steady

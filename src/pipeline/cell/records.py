@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+from collections.abc import Iterator
 from typing import Self
 
 from pydantic import Field, model_validator
@@ -65,6 +67,31 @@ class Tabulated(Record):
 
 Curve = float | Polynomial | Logarithm | Root | Shepherd | Inverse | Tabulated
 """A quantity that may depend on SOC; a number is a constant."""
+
+
+def value_of(curve: Curve, soc: float) -> float:
+    """Return a curve's value at a state of charge; a table is read by straight lines, near enough for a check."""
+    depth = 1.0 - soc
+    if isinstance(curve, float | int):
+        return float(curve)
+    if isinstance(curve, Polynomial):
+        return sum(coefficient * depth**power for power, coefficient in enumerate(curve.polynomial))
+    if isinstance(curve, Logarithm):
+        above, below = soc + curve.soc_offset, depth + curve.depth_offset
+        if above <= 0.0:
+            return -math.copysign(math.inf, curve.factor)
+        return curve.constant + curve.factor * math.log(above / below) if below > 0.0 else math.inf
+    if isinstance(curve, Root):
+        return curve.factor * math.sqrt(depth * (soc + curve.soc_offset))
+    if isinstance(curve, Shepherd):
+        return curve.full_v - curve.polarisation_v * depth / soc if soc > 0.0 else -math.inf
+    if isinstance(curve, Inverse):
+        return curve.factor / (depth + curve.depth_offset) if depth + curve.depth_offset > 0.0 else math.inf
+    for n in range(1, len(curve.soc)):
+        if soc <= curve.soc[n]:
+            share = (soc - curve.soc[n - 1]) / (curve.soc[n] - curve.soc[n - 1])
+            return curve.scale * (curve.value[n - 1] + share * (curve.value[n] - curve.value[n - 1]))
+    return curve.scale * curve.value[-1]
 
 
 class Pair(Record):
@@ -153,8 +180,6 @@ class Battery(Record):
 
     @model_validator(mode="after")
     def _physical(self) -> Self:
-        from pipeline.cell.physical import faults  # it reads these records
-
         for fault in faults(self):
             raise ValueError(fault)
         return self
@@ -175,3 +200,55 @@ class Battery(Record):
     def capacity_in_use_ah(self) -> float:
         """Return the capacity after scaling [A h]."""
         return self.capacity_ah * self.scale
+
+
+def resting_voltage_v(battery: Battery, soc: float, temperature_c: float) -> float:
+    """Return the open-circuit voltage of a battery [V].
+
+    Arguments
+    ---------
+    soc : state of charge [1].
+    temperature_c : temperature [degC].
+    """
+    entropic = value_of(battery.entropic_coefficient_v_k, soc) * (temperature_c - 25.0)
+    return battery.cells_in_series * (value_of(battery.open_circuit_voltage_v, soc) + entropic)
+
+
+_GRID = tuple(n / 100 for n in range(101))
+_REFERENCE_K = 298.15
+
+
+def faults(battery: Battery) -> Iterator[str]:
+    """Yield what is not physical about a battery's curves: key, value, where, and what is allowed.
+
+    Resistances may not be negative, exchange currents must be positive; the potential of a full cell must be positive,
+    no lower than that of a half-full one, and larger than the share of it that is entropy.
+    """
+    yield from _low("series_resistance_ohm", battery.series_resistance_ohm, "ohm")
+    for name, pair in battery.pairs.items():
+        yield from _low(f"pairs.{name}.resistance_ohm", pair.resistance_ohm, "ohm")
+    if battery.charge_transfer is not None:
+        inside = [value_of(battery.charge_transfer.exchange_current_a, soc) for soc in _GRID[1:-1]]
+        if min(inside) <= 0.0:
+            soc = _GRID[1:-1][inside.index(min(inside))]
+            key = "charge_transfer.exchange_current_a"
+            yield f"{key} is {min(inside):g} A at SOC {soc:g}; it must be greater than 0"
+    full, half = (value_of(battery.open_circuit_voltage_v, soc) for soc in (0.99, 0.5))
+    if half <= 0.0 or full < half:
+        yield (
+            f"open_circuit_voltage_v is {half:g} V at SOC 0.5 and {full:g} V at SOC 0.99; "
+            "it must be greater than 0 and may not fall while charging"
+        )
+    entropy = max((abs(value_of(battery.entropic_coefficient_v_k, soc)) for soc in _GRID[1:-1]), default=0.0)
+    if half > 0.0 and entropy * _REFERENCE_K >= half:
+        yield (
+            f"entropic_coefficient_v_k comes to {entropy:g} V/K; allowed is less than {half / _REFERENCE_K:.3g} V/K, "
+            "the potential over the temperature"
+        )
+
+
+def _low(key: str, curve: Curve, unit: str) -> Iterator[str]:
+    grid = curve.soc if isinstance(curve, Tabulated) else _GRID
+    lowest, soc = min((value_of(curve, soc), soc) for soc in grid)
+    if lowest < 0.0:
+        yield f"{key} is {lowest:g} {unit} at SOC {soc:g}; it must be 0 or greater"

@@ -12,7 +12,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pipeline.cell.circuit import Cell
-from pipeline.charge.coupling import correct, keep_slope, nudge
 from pipeline.charge.dense import serve
 from pipeline.charge.measured import keep_period, learn, measure, meets_stop, predict, stride_error
 from pipeline.charge.period import Clock
@@ -20,7 +19,7 @@ from pipeline.charge.program import Program
 from pipeline.charge.record_keeping import Book, reset_extremes
 from pipeline.charge.segment import NOTHING
 from pipeline.charge.state import DEPTH, RELAXATIONS, Run
-from pipeline.charge.stride import END, FIRST, TRIED, Stride, copy, move, weigh
+from pipeline.charge.stride import END, FIRST, TRIED, Stride, copy, correct, keep_slope, move, nudge, weigh
 from pipeline.jit import inlined
 
 # What a stride is at: nothing, its first period, those at its nodes, those that tell slopes.

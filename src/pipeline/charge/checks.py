@@ -5,14 +5,72 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 
-from pipeline.cell.records import Battery
-from pipeline.cell.resting import resting_voltage_v
+from pipeline.cell.records import Battery, resting_voltage_v
 from pipeline.charge.protocol import Resolver, parameters
 from pipeline.charge.records import ChargeSettings, Mode, Phase
-from pipeline.charge.sampled_checks import MOST_SAMPLES, check_sampled, check_watched
 from pipeline.charge.waveforms import ConstantCurrent, ConstantVoltage, Rest, Sampled, Staged, Until, Waveform
 from pipeline.errors import UserError, best_matches
 from pipeline.record import Number, Reference
+
+MOST_SAMPLES = 20_000_000
+SHORTEST_SAMPLE_S = 1e-3
+MOST_SAMPLES_A_SPAN = 100_000
+WATCHED = ("voltage_drop_v", "temperature_rate_k_s")
+
+
+def check_sampled(where: str, values: Mapping[str, float], stop_s: float) -> None:
+    """Check the sensor and the currents of a sampled controller.
+
+    Arguments
+    ---------
+    where : key path of the phase.
+    values : its parameters; one still to be found is left out.
+    stop_s : time at which the charge is given up [s].
+
+    Raises
+    ------
+    UserError : with the key path, the value and what is allowed.
+    """
+    interval, span = values.get("sample_interval_s"), values.get("rate_span_s", 0.0)
+    if interval is None:
+        return
+    if interval < SHORTEST_SAMPLE_S:
+        raise UserError(f"{where}.sample_interval_s: {interval:g} s; allowed is {SHORTEST_SAMPLE_S:g} s or more")
+    if stop_s / interval > MOST_SAMPLES:
+        raise UserError(
+            f"{where}.sample_interval_s: {interval:g} s up to stop.elapsed_s {stop_s:g} s are more than "
+            f"{MOST_SAMPLES} samples"
+        )
+    samples = round(span / interval)
+    if span > 0.0 and (samples < 1 or abs(samples * interval - span) > 1e-9 * span or samples > MOST_SAMPLES_A_SPAN):
+        raise UserError(
+            f"{where}.rate_span_s: {span:g} s is no whole number of samples of {interval:g} s, "
+            f"from 1 to {MOST_SAMPLES_A_SPAN}; give a multiple, or 0 for one sample"
+        )
+    if values.get("trickle_a", 0.0) >= values.get("fast_a", math.inf):
+        raise UserError(f"{where}.trickle_a: {values['trickle_a']:g} A is not below fast_a, {values['fast_a']:g} A")
+    stream = values.get("noise_stream", 0.0)
+    if stream != int(stream):
+        raise UserError(f"{where}.noise_stream: {stream:g}; allowed is a whole number, 0 or more")
+
+
+def check_watched(mode: Mode) -> None:
+    """Check that nobody watches for a falling voltage or a rising rate where pulses make them by themselves.
+
+    Raises
+    ------
+    UserError : with the key path.
+    """
+    pulsed = [name for name, phase in mode.phases.items() if phase.waveform.periodic]
+    places = [(f"phases.{name}.until", mode.phases[name].until, name in pulsed) for name in mode.phases]
+    for where, until, wrong in [*places, ("stop", mode.stop, bool(pulsed))]:
+        for name in WATCHED:
+            if wrong and getattr(until, name) is not None:
+                raise UserError(f"{where}.{name}: needs a steady current; pulses change voltage and heat by themselves")
+    sampled = [phase.waveform for phase in mode.phases.values() if isinstance(phase.waveform, Sampled)]
+    if any(other != sampled[0] for other in sampled[1:]):
+        raise UserError("phases: a mode has one controller; those of its phases differ")
+
 
 SHORTEST_SEGMENT_S = 1e-6
 # Beyond these a number has the wrong unit: no charger goes there, and values in mV or mA are far beyond.
@@ -105,7 +163,7 @@ def _check_voltage(path: str, value: float, battery: Battery, settings: ChargeSe
 
 def _check_stages(where: str, waveform: Staged) -> None:
     edges = waveform.soc_edges
-    if len(edges) != len(waveform.currents_a):
+    if not isinstance(waveform.currents_a, Reference) and len(edges) != len(waveform.currents_a):
         raise UserError(f"{where}.soc_edges: {len(edges)} edges for {len(waveform.currents_a)} currents; give one each")
     if any(after <= before for before, after in zip([0.0, *edges], edges, strict=False)) or edges[-1] >= 1.0:
         raise UserError(f"{where}.soc_edges: {edges}; they must rise, between 0 and 1")

@@ -29,7 +29,7 @@ class Control(NamedTuple):
 
     law: int
     network: Network
-    capacity_ah: float
+    capacity_in_use_ah: float
     fast_a: float
     trickle_a: float
     trip_rate_k_s: float
@@ -41,12 +41,12 @@ class Control(NamedTuple):
     held: Array
 
 
-def compile_control(protocol: Protocol, capacity_ah: float) -> Control:
+def compile_control(protocol: Protocol, capacity_in_use_ah: float) -> Control:
     """Return the controller of a protocol; one that is never asked where the protocol has none.
 
     Arguments
     ---------
-    capacity_ah : capacity of the battery in use, which a network's C-rate is a multiple of.
+    capacity_in_use_ah : what a network's C-rate is a multiple of [A h].
 
     Raises
     ------
@@ -62,10 +62,10 @@ def compile_control(protocol: Protocol, capacity_ah: float) -> Control:
             raise UserError(f"phases.{course.name}.network: still to be found by {written.source!r}; put it in first")
         law, network = NETWORK, written.compiled()
     samples = math.ceil(protocol.stop["elapsed_s"] / course.values["sample_interval_s"]) + len(protocol.courses) + 1
-    return _control(law, network, dict(course.values), capacity_ah, samples)
+    return _control(law, network, dict(course.values), capacity_in_use_ah, samples)
 
 
-def _control(law: int, network: Network, values: dict[str, float], capacity_ah: float, samples: int) -> Control:
+def _control(law: int, network: Network, values: dict[str, float], capacity_in_use_ah: float, samples: int) -> Control:
     interval = values.get("sample_interval_s", 1.0)
     span = max(1, round(values.get("rate_span_s", 0.0) / interval))
     deviation = values.get("temperature_noise_k", 0.0)
@@ -73,7 +73,7 @@ def _control(law: int, network: Network, values: dict[str, float], capacity_ah: 
     return Control(
         law,
         network,
-        capacity_ah,
+        capacity_in_use_ah,
         values.get("fast_a", 0.0),
         values.get("trickle_a", 0.0),
         values.get("trip_rate_k_s", math.inf),
@@ -125,7 +125,7 @@ def next_current(control: Control, temperature_k: float) -> float:
 @kernel
 def _law(control: Control, temperature_c: float, rate_k_s: float) -> float:
     if control.law == NETWORK:
-        return float(max(0.0, command(control.network, temperature_c, rate_k_s)) * control.capacity_ah)
+        return float(max(0.0, command(control.network, temperature_c, rate_k_s)) * control.capacity_in_use_ah)
     if rate_k_s >= control.trip_rate_k_s:
         control.held[_SWITCHED] = 1.0
     return control.trickle_a if control.held[_SWITCHED] > 0.0 else control.fast_a

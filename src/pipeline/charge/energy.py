@@ -1,4 +1,4 @@
-"""Where the energy went, closed against state functions."""
+"""Energy by path: what the end of a step adds, and the balance of a whole charge against state functions."""
 
 from __future__ import annotations
 
@@ -8,21 +8,37 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from pipeline.cell.circuit import FIRST_PAIR, Cell, enthalpy
+from pipeline.cell.circuit import FIRST_PAIR, Cell, enthalpy, hysteresis_at
 from pipeline.cell.curves import value_and_slope
+from pipeline.cell.relaxation import RADAU
 from pipeline.charge.state import (
+    CHARGE,
     DEPTH,
     ELECTRICAL,
+    ETA,
+    HYSTERESIS,
     HYSTERESIS_HEAT,
+    HYSTERESIS_V,
+    MAIN,
+    OHM,
     PAIR_HEAT,
     RELAXATIONS,
+    REVERSIBLE,
     REVERSIBLE_HEAT,
     SERIES_HEAT,
+    SIDE,
+    SIDE_CHARGE,
     SIDE_HEAT,
+    SLOW_V,
     TEMPERATURE,
     TO_AMBIENT,
+    TOTAL,
     TRANSFER_HEAT,
+    VOLTAGE_TIME,
+    Run,
+    T,
 )
+from pipeline.jit import inlined
 
 
 def pair_stores(cell: Cell, state: NDArray[np.float64]) -> list[float]:
@@ -90,3 +106,93 @@ def balance(
         "energy_j": np.array(energy, dtype=np.float64),
         "description": list(description),
     }
+
+
+@inlined
+def finish(cell: Cell, run: Run, slot: int, bypassed: bool, ambient_k: float) -> None:
+    """Write the state at the end and what the step adds, exact for quadratic currents and exponential voltages."""
+    at, gain, end, state = run.at, run.gain, run.end, run.state
+    h, n = run.length_s[slot], cell.cells
+    # Sums in local names: the record's own cells would be stored and loaded again at every addition.
+    main_as = total_as = side_as = voltage_vs = electrical = series = transfer = reversible = side_heat = warm_ks = 0.0
+    hysteresis = 0.0
+    for j in range(3):
+        b = h * RADAU[2, j]
+        main, side, ohm = at[MAIN, j], at[SIDE, j], at[OHM, j]
+        slow_v, total = at[SLOW_V, j] + at[ETA, j], at[MAIN, j] + at[SIDE, j]
+        at[TOTAL, j] = total
+        main_as += b * main
+        total_as += b * total
+        side_as += b * side
+        voltage_vs += b * (slow_v + ohm * total)
+        electrical += b * (slow_v + ohm * total) * total
+        series += b * ohm * total * total
+        transfer += b * at[ETA, j] * main
+        hysteresis += b * at[HYSTERESIS_V, j] * main
+        reversible += b * at[REVERSIBLE, j]
+        side_heat += b * side * slow_v
+        warm_ks += b * (at[T, j] - ambient_k)
+    end[DEPTH] = state[DEPTH] - main_as / cell.charge_as
+    if cell.hysteresis == 1:
+        end[HYSTERESIS], _ = hysteresis_at(cell, state[HYSTERESIS], end[DEPTH] - state[DEPTH])
+    pair_heat = 0.0
+    for k in range(cell.pairs + cell.acceptance):
+        through = bypassed and k == cell.pairs
+        heat, part_vs, part_j, part_side = _finish_pair(cell, run, slot, k, state[RELAXATIONS + k], through)
+        gain[PAIR_HEAT + k] = n * heat
+        pair_heat += heat
+        voltage_vs += part_vs
+        electrical += part_j
+        side_heat += part_side
+    if cell.recombination == 1:
+        k = cell.relaxations - 1
+        w = run.node[slot, k]
+        before = state[RELAXATIONS + k]
+        end[RELAXATIONS + k] = (
+            run.decay[slot, k, 2] * before + w[0, 2] * at[SIDE, 0] + w[1, 2] * at[SIDE, 1] + w[2, 2] * at[SIDE, 2]
+        )
+        side_heat -= cell.gas_v * cell.tau_s[k] * (end[RELAXATIONS + k] - before)
+    to_ambient = warm_ks / cell.thermal_resistance_k_w
+    heat = n * (series + transfer + hysteresis + reversible + side_heat + pair_heat)
+    end[TEMPERATURE] = state[TEMPERATURE] + (heat - to_ambient) / cell.heat_capacity_j_k
+    gain[CHARGE], gain[SIDE_CHARGE], gain[TO_AMBIENT] = total_as, side_as, to_ambient
+    gain[VOLTAGE_TIME], gain[ELECTRICAL] = n * voltage_vs, n * electrical
+    gain[SERIES_HEAT], gain[TRANSFER_HEAT], gain[HYSTERESIS_HEAT] = n * series, n * transfer, n * hysteresis
+    gain[REVERSIBLE_HEAT], gain[SIDE_HEAT] = n * reversible, n * side_heat
+
+
+@inlined
+def _finish_pair(
+    cell: Cell, run: Run, slot: int, k: int, before: float, bypassed: bool
+) -> tuple[float, float, float, float]:
+    """Advance one pair of one cell over the step.
+
+    int v^2 dt = int v g dt - (tau/2) change of v^2; what the slow factor 1/R changes over the step meets
+    v exactly once and once by its values at the nodes.
+
+    Returns
+    -------
+    Its heat [J], the integral of its voltage [V s], its energy from the total current and from the side current [J].
+    """
+    at = run.at
+    if bypassed:
+        run.end[RELAXATIONS + k] = 0.0
+        return 0.0, 0.0, 0.0, 0.0
+    g0 = run.resistance[k, 0] * at[MAIN, 0]
+    g1 = run.resistance[k, 1] * at[MAIN, 1]
+    g2 = run.resistance[k, 2] * at[MAIN, 2]
+    w, decay, s, m = run.node[slot, k], run.decay[slot, k, 2], run.start_moment[slot, k], run.moment[slot, k]
+    after = decay * before + w[0, 2] * g0 + w[1, 2] * g1 + w[2, 2] * g2
+    run.end[RELAXATIONS + k] = after
+    # Integral of the voltage times the basis function of each node.
+    v0 = s[0] * before + m[0, 0] * g0 + m[1, 0] * g1 + m[2, 0] * g2
+    v1 = s[1] * before + m[0, 1] * g0 + m[1, 1] * g1 + m[2, 1] * g2
+    v2 = s[2] * before + m[0, 2] * g0 + m[1, 2] * g1 + m[2, 2] * g2
+    squared = v0 * g0 + v1 * g1 + v2 * g2 - 0.5 * cell.tau_s[k] * (after * after - before * before)
+    c0, c1, c2 = run.conductance[k, 0], run.conductance[k, 1], run.conductance[k, 2]
+    mean = RADAU[2, 0] * c0 + RADAU[2, 1] * c1 + RADAU[2, 2] * c2
+    value = run.value[k]
+    heat = mean * squared + (v0 * value[0] * (c0 - mean) + v1 * value[1] * (c1 - mean) + v2 * value[2] * (c2 - mean))
+    electrical = v0 * at[TOTAL, 0] + v1 * at[TOTAL, 1] + v2 * at[TOTAL, 2]
+    side = v0 * at[SIDE, 0] + v1 * at[SIDE, 1] + v2 * at[SIDE, 2]
+    return heat, v0 + v1 + v2, electrical, side

@@ -16,8 +16,6 @@ from numpy.typing import NDArray
 from pipeline.cell.circuit import ENTROPIC, FIRST_PAIR, OPEN_CIRCUIT, REFERENCE_K, SERIES, Cell
 from pipeline.cell.curves import value_and_slope
 from pipeline.cell.relaxation import AT_START, LAGRANGE, NODES, RADAU, phi_functions, response
-from pipeline.charge.error import CURRENT_ERROR
-from pipeline.charge.lanes import put
 from pipeline.charge.nodes import SERIES_BELOW, growth
 from pipeline.charge.plain import BRIEF
 from pipeline.charge.record_keeping import Book, add_plain, passes_mark
@@ -39,7 +37,9 @@ from pipeline.charge.state import (
     TO_AMBIENT,
     VOLTAGE_TIME,
     Run,
+    put,
 )
+from pipeline.charge.step import CURRENT_ERROR
 from pipeline.jit import inlined, kernel
 
 # Rows of a pair's weights: of its start, a constant and a rising drive, then of the side current at each node. Lanes

@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 
 from pipeline.cell.circuit import Cell, hysteresis_at, side_current, side_exponent
-from pipeline.charge.lanes import passed, put
 from pipeline.charge.moment import charge_transfer
 from pipeline.charge.state import (
     CURRENT_CONTROL,
@@ -36,6 +35,8 @@ from pipeline.charge.state import (
     Run,
     T,
     X,
+    passed,
+    put,
 )
 from pipeline.jit import inlined
 

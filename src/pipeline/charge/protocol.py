@@ -43,9 +43,9 @@ class Protocol:
 class Resolver:
     """Looks up knobs and keeps note of those used."""
 
-    def __init__(self, mode: Mode, capacity_ah: float) -> None:
+    def __init__(self, mode: Mode, capacity_in_use_ah: float) -> None:
         self.knobs = mode.knobs
-        self.capacity_ah = capacity_ah
+        self.capacity_in_use_ah = capacity_in_use_ah
         self.used: set[str] = set()
 
     def holds(self, name: str) -> bool:
@@ -73,7 +73,7 @@ class Resolver:
                 knob = self.knobs[key]
                 if isinstance(knob, Reference):
                     return knob
-                return knob * self.capacity_ah if key.endswith(C_RATE) else knob
+                return knob * self.capacity_in_use_ah if key.endswith(C_RATE) else knob
         stem = wanted.removesuffix("_a")
         names = wanted if stem == wanted else f"{wanted} or {stem}{C_RATE}"
         said = f"not given, and the mode has no knob {names}" if value is None else f"names the knob {wanted!r}"
@@ -88,13 +88,18 @@ class Resolver:
 
 
 def parameters(resolver: Resolver, waveform: Waveform, where: str) -> dict[str, Number]:
-    """Return a waveform's parameters as numbers; those of a list are called `name.0`, `name.1`, ..."""
+    """Return a waveform's parameters as numbers; those of a list are called `name.0`, `name.1`, ...
+
+    A reference that is still open comes back as it is, one for a whole list under the name of the list.
+    """
     found: dict[str, Number | None] = {}
     for name, value in waveform:
         if name in waveform.no_parameters:
             continue
         if isinstance(value, list):
             found |= {f"{name}.{n}": resolver.number(v, name, f"{where}.{name}.{n}") for n, v in enumerate(value)}
+        elif isinstance(value, Reference):
+            found[name] = value
         elif value is None and name in waveform.optional and not resolver.holds(name):
             found[name] = waveform.optional[name]
         else:
@@ -102,19 +107,19 @@ def parameters(resolver: Resolver, waveform: Waveform, where: str) -> dict[str, 
     return {name: value for name, value in found.items() if value is not None}
 
 
-def resolve(mode: Mode, capacity_ah: float, fills: bool = False) -> Protocol:
+def resolve(mode: Mode, capacity_in_use_ah: float, fills: bool = False) -> Protocol:
     """Return a mode in numbers.
 
     Arguments
     ---------
-    capacity_ah : capacity of the battery in use, for knobs given as C-rates.
+    capacity_in_use_ah : for knobs given as C-rates [A h].
     fills : nothing in the battery keeps it below SOC 1, so that the charge must stop there.
 
     Raises
     ------
     UserError : a parameter without a value, a name that is no knob, or a reference that is still open.
     """
-    resolver = Resolver(mode, capacity_ah)
+    resolver = Resolver(mode, capacity_in_use_ah)
     once: list[list[Course]] = []
     for name, phase in mode.phases.items():
         once.append(_courses(resolver, name, phase))

@@ -10,8 +10,6 @@ from numpy.typing import NDArray
 
 from pipeline.cell.circuit import Cell
 from pipeline.cell.relaxation import MOST_SLOTS, fill
-from pipeline.charge.error import step_error
-from pipeline.charge.lanes import put
 from pipeline.charge.moment import place_start, solve_start
 from pipeline.charge.state import (
     CURRENT_CONTROL,
@@ -27,8 +25,9 @@ from pipeline.charge.state import (
     Run,
     T,
     X,
+    put,
 )
-from pipeline.charge.step import integrate
+from pipeline.charge.step import integrate, step_error
 from pipeline.charge.watching import watched_guard
 from pipeline.jit import inlined, kernel
 

@@ -1,24 +1,28 @@
-"""Charge a battery by a mode from a supply: records in, columns out."""
+"""Charge a battery by a mode from a supply: records in, columns out; one charge, or many at once."""
 
 from __future__ import annotations
 
 import math
+import os
+from collections.abc import Iterable
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from pipeline.cell.circuit import MOST_RELAXATIONS, ZERO_CELSIUS_K, Cell, compile_cell
-from pipeline.cell.records import Battery
+from pipeline.cell.circuit import MOST_RELAXATIONS, ZERO_CELSIUS_K, Cell, compile_cell, enthalpy
+from pipeline.cell.curves import value_and_slope
+from pipeline.cell.records import Battery, Pair, SideReaction, Thermal
 from pipeline.charge import drive
 from pipeline.charge.checks import check
 from pipeline.charge.controller import Control, compile_control
-from pipeline.charge.ending import missed, reason
 from pipeline.charge.energy import balance
-from pipeline.charge.period import Clock, new_clock
+from pipeline.charge.outcome import Columns, Outcome, missed, phases, reason, trace, waveform
+from pipeline.charge.period import Clock, new_clock, run_periods
 from pipeline.charge.program import Program, compile_program
-from pipeline.charge.protocol import Protocol, resolve
+from pipeline.charge.protocol import resolve
 from pipeline.charge.record_keeping import PHASE_COLUMNS, SAMPLE_COLUMNS, SUMS, WAVEFORM_COLUMNS, Book
 from pipeline.charge.records import ChargeSettings, EngineSettings, Mode
 from pipeline.charge.state import DEPTH, HYSTERESIS, PAIR_HEAT, TEMPERATURE, Run, new_run
@@ -26,8 +30,6 @@ from pipeline.charge.stride import new_stride
 from pipeline.charge.summary import Quantity, summarise
 from pipeline.errors import EngineError
 from pipeline.jit import by_reference
-
-Columns = dict[str, Any]
 
 
 class Supply(NamedTuple):
@@ -54,18 +56,6 @@ class Charge:
     summary: list[Quantity]
 
 
-@dataclass(frozen=True)
-class Outcome:
-    """A finished run as the kernels left it, with what it was run on."""
-
-    cell: Cell
-    protocol: Protocol
-    run: Run
-    book: Book
-    start: NDArray[np.float64]
-    end_s: float
-
-
 def simulate(battery: Battery, mode: Mode, supply: Supply, settings: ChargeSettings, engine: EngineSettings) -> Charge:
     """Charge a battery.
 
@@ -82,11 +72,45 @@ def simulate(battery: Battery, mode: Mode, supply: Supply, settings: ChargeSetti
     energy = balance(outcome.cell, outcome.book.gains, outcome.start, outcome.run["state"], tuple(battery.pairs))
     return Charge(
         trace=trace(outcome, settings.ambient_c),
-        waveform=_waveform(outcome),
-        phases=_phases(outcome),
+        waveform=waveform(outcome),
+        phases=phases(outcome),
         energy=energy,
         summary=summarise(outcome, battery, settings, energy, reason(outcome, -1), missed(outcome, mode)),
     )
+
+
+class Task(NamedTuple):
+    """One charge: the arguments of `simulate`."""
+
+    battery: Battery
+    mode: Mode
+    supply: Supply
+    settings: ChargeSettings
+    engine: EngineSettings
+
+
+def simulate_many(tasks: Iterable[Task], threads: int | None = None) -> list[Charge]:
+    """Charge many batteries at once; each charge is, bit for bit, what `simulate` makes of it.
+
+    The kernels let go of Python's lock, so threads run as many of them as there are cores. Whichever thread is free
+    takes the next charge: a population is seldom of equal lengths, and its arrays never need to be of one shape.
+
+    Arguments
+    ---------
+    tasks : the charges.
+    threads : charges under way at once; as many as this process may use cores where not given.
+
+    Returns
+    -------
+    The charges in the order of the tasks.
+
+    Raises
+    ------
+    UserError, EngineError : as `simulate`, for the first charge that fails.
+    """
+    count = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else (os.cpu_count() or 1)
+    with ThreadPoolExecutor(max_workers=threads or count) as pool:
+        return list(pool.map(lambda task: simulate(*task), tasks))
 
 
 def run(battery: Battery, mode: Mode, supply: Supply, settings: ChargeSettings, engine: EngineSettings) -> Outcome:
@@ -195,63 +219,27 @@ def _points(program: Program, windows: NDArray[np.float64]) -> int:
     return int(sum(2000 + 80 * (span / min(shortest, span) + 2) + 500 for span in spans))
 
 
-def trace(outcome: Outcome, ambient_c: float) -> Columns:
-    """Return the samples as the columns of CHARGE_TRACE."""
-    rows = outcome.book.samples[: outcome.book.filled[0]].T
-    names = (
-        "Test Time / s",
-        "Voltage / V",
-        "Current / A",
-        "Step Index / 1",
-        "Charging Capacity / Ah",
-        "Discharging Capacity / Ah",
-        "Charging Energy / Wh",
-        "Discharging Energy / Wh",
-        "Surface Temperature T1 / degC",
-        "soc",
-        "voltage_min_v",
-        "voltage_max_v",
-        "current_min_a",
-        "current_max_a",
-        "side_current_a",
-        "supply_limited_share",
-        "voltage_limited_share",
-    )
-    columns: Columns = {name: row.copy() for name, row in zip(names, rows, strict=True)}
-    columns["Step Index / 1"] = columns["Step Index / 1"].astype(np.int64)
-    columns["Surface Temperature T1 / degC"] -= ZERO_CELSIUS_K
-    columns["Ambient Temperature / degC"] = np.full(rows.shape[1], ambient_c)
-    return columns
-
-
-def _waveform(outcome: Outcome) -> Columns:
-    rows = outcome.book.waveform[: outcome.book.filled[2]]
-    rows = rows[np.argsort(rows[:, 0], kind="stable")].T
-    return {
-        "window": rows[0].astype(np.int64),
-        "time_s": rows[1].copy(),
-        "current_a": rows[2].copy(),
-        "voltage_v": rows[3].copy(),
-        "soc": rows[4].copy(),
-        "temperature_c": rows[5] - ZERO_CELSIUS_K,
+_WARM_UP_BATTERY = Battery(
+    name="warm_up",
+    title="Warm-up",
+    cells_in_series=1,
+    capacity_ah=1.0,
+    open_circuit_voltage_v=2.0,
+    series_resistance_ohm=0.01,
+    pairs={"one": Pair(resistance_ohm=0.01, time_constant_s=1.0)},
+    side_reaction=SideReaction(current_a=1e-6, reference_voltage_v=2.0, voltage_scale_v=0.1),
+    thermal=Thermal(heat_capacity_j_k=100.0, resistance_k_w=1.0),
+)
+_WARM_UP_MODE = Mode.model_validate(
+    {
+        "title": "Warm-up",
+        "phases": {"charge": {"constant_current": {"current_a": 1.0}}},
+        "stop": {"elapsed_s": 0.1},
     }
-
-
-def _phases(outcome: Outcome) -> Columns:
-    rows = outcome.book.phases[: outcome.book.filled[1]]
-    return {
-        "phase": [outcome.protocol.courses[int(course)].name for course in rows[:, 7]],
-        "start_s": rows[:, 1].copy(),
-        "end_s": rows[:, 2].copy(),
-        "end_reason": [reason(outcome, row) for row in range(len(rows))],
-        "start_soc": 1.0 - rows[:, 4],
-        "end_soc": 1.0 - rows[:, 5],
-        "end_temperature_c": rows[:, 6] - ZERO_CELSIUS_K,
-    }
+)
 
 
 def warm_up() -> list[str]:
-    """Compile every kernel and return their names."""
-    from pipeline.charge.warm_up import compile_kernels
-
-    return compile_kernels()
+    """Compile every kernel by a fraction of a second of a charge; return their names."""
+    simulate(_WARM_UP_BATTERY, _WARM_UP_MODE, BENCH, ChargeSettings(initial_soc=0.5, ambient_c=25.0), EngineSettings())
+    return [kernel.__name__ for kernel in (drive.run_program, run_periods, enthalpy, value_and_slope)]

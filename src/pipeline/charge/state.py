@@ -5,10 +5,11 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from pipeline.cell.circuit import MOST_RELAXATIONS
-from pipeline.cell.relaxation import WEIGHT_FIELDS
-from pipeline.jit import new_record
+from pipeline.cell.relaxation import PASSED, WEIGHT_FIELDS
+from pipeline.jit import inlined, new_record
 
 CURRENT_CONTROL, VOLTAGE_CONTROL, POWER_CONTROL = range(3)
 
@@ -121,3 +122,15 @@ def new_run() -> Run:
 
 # Rows of the slopes with x.
 OPEN_SLOPE, OHM_SLOPE, ENTROPY_SLOPE, ETA_BY_DEPTH = range(4)
+
+
+@inlined
+def put(row: NDArray[np.float64], a: float, b: float, c: float, d: float) -> None:
+    """Write the values of the four moments."""
+    row[0], row[1], row[2], row[3] = a, b, c, d
+
+
+@inlined
+def passed(of: NDArray[np.float64], j: int) -> float:
+    """Return the integral of a quantity from the start to moment j, per unit of step length."""
+    return float(PASSED[0, j] * of[0] + PASSED[1, j] * of[1] + PASSED[2, j] * of[2])

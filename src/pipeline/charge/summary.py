@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from pipeline.cell.circuit import ZERO_CELSIUS_K
 from pipeline.cell.records import Battery
+from pipeline.charge.outcome import Outcome
 from pipeline.charge.record_keeping import (
     CHARGE_IN,
     CHARGE_OUT,
@@ -18,10 +19,6 @@ from pipeline.charge.record_keeping import (
 )
 from pipeline.charge.records import ChargeSettings
 from pipeline.charge.state import DEPTH, TEMPERATURE
-
-if TYPE_CHECKING:
-    from pipeline.charge.simulate import Outcome
-
 
 MISSED = "what it was to reach and did not, and why"
 

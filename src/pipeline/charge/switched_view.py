@@ -13,11 +13,10 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from pipeline.cell.records import Battery
-from pipeline.cell.resting import value_of
+from pipeline.cell.records import Battery, value_of
+from pipeline.converter.records import SwitchedBuck
 from pipeline.converter.ringing import Edge, edges
 from pipeline.converter.switched import SwitchedRun, run_buck
-from pipeline.converter.switched_records import SwitchedBuck
 from pipeline.converter.topologies import BatteryLoad
 
 Array = NDArray[np.float64]

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from typing import ClassVar, NamedTuple
+from typing import Annotated, ClassVar, NamedTuple
 
 from pydantic import Field
 
@@ -139,12 +139,14 @@ class Staged(Waveform):
 
     no_parameters: ClassVar[frozenset[str]] = frozenset({"soc_edges"})
 
-    currents_a: list[Value] = Field(min_length=1, description="current of each stage [A]")
+    currents_a: Reference | Annotated[list[Value], Field(min_length=1)] = Field(
+        description="current of each stage, or where all of them are found [A]"
+    )
     soc_edges: list[float] = Field(min_length=1, description="state of charge at which each stage ends [1]")
 
     def segments(self, values: Mapping[str, float]) -> list[Segment]:
         """Return one endless segment a stage."""
-        return [Segment(math.inf, values[f"currents_a.{n}"], True) for n in range(len(self.currents_a))]
+        return [Segment(math.inf, values[f"currents_a.{n}"], True) for n in range(len(self.soc_edges))]
 
 
 class Sampled(Waveform):

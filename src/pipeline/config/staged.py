@@ -45,7 +45,7 @@ def plan_of(study: Study) -> Plan:
         values = parameters(resolver, waveform, where)
         limit = resolver.optional(phase.limit, f"{where}.limit").get("voltage_v")
         stop = resolver.optional(mode.stop, "stop").get("temperature_c", WARMEST_C)
-        currents = [values[f"currents_a.{n}"] for n in range(len(waveform.currents_a))]
+        currents = [value for key, value in values.items() if key.split(".")[0] == "currents_a"]
         if any(isinstance(value, Reference) for value in (*currents, limit, stop)):
             raise UserError(f"staging.mode: {name!r} has values that are still to be found; numbers are needed")
         if limit is None:

@@ -17,8 +17,8 @@ from pipeline.config import daily, panels, searching, staged, switching
 from pipeline.config.compose import Composed, options
 from pipeline.config.messages import explain
 from pipeline.config.sources import Source, attribute, leaves, split
-from pipeline.converter import checks as supply_checks
 from pipeline.converter.records import Load, PowerChain
+from pipeline.converter.records import check as check_supply
 from pipeline.day.records import Day
 from pipeline.errors import UserError, best_matches
 from pipeline.grnn.records import NetworkStudy
@@ -267,7 +267,7 @@ def _check_together(composed: Composed, study: Study) -> None:
                 raise UserError("panel: a study with a panel needs weather, converter and load")
             power = study.panel.approximate_power_w(*daily.brightest(study.weather))
             voltage = study.panel.max_power_voltage_v * study.panel.panels_in_series
-            supply_checks.check(power, voltage, study.converter, study.load)
+            check_supply(power, voltage, study.converter, study.load)
         staged.check(study)
         searching.check(study)
         switching.check(study)

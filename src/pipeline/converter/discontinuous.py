@@ -8,8 +8,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from pipeline.converter.maps import exponential
-from pipeline.converter.switched_records import SwitchedBoost
+from pipeline.converter.records import SwitchedBoost
 from pipeline.converter.topologies import (
     BLOCKED,
     CAPACITOR,
@@ -22,6 +21,7 @@ from pipeline.converter.topologies import (
     PanelSource,
     Topologies,
     boost,
+    exponential,
 )
 
 Array = NDArray[np.float64]

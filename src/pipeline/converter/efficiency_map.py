@@ -10,14 +10,11 @@ from numpy.typing import NDArray
 from pipeline.converter.discontinuous import discontinuous_point
 from pipeline.converter.efficiency import CONDUCTION, loads
 from pipeline.converter.loss_kernel import COLUMNS
-from pipeline.converter.loss_records import ChainLosses, ConverterLosses
-from pipeline.converter.maps import maps
-from pipeline.converter.records import PowerChain
+from pipeline.converter.records import ChainLosses, ConverterLosses, PowerChain, SwitchedStage
 from pipeline.converter.steady import steady_state
 from pipeline.converter.switched import follow, gains, start
 from pipeline.converter.switched_quantities import operating_point
-from pipeline.converter.switched_records import SwitchedStage
-from pipeline.converter.topologies import BatteryLoad, PanelSource, boost, buck
+from pipeline.converter.topologies import BatteryLoad, PanelSource, boost, buck, maps
 from pipeline.quantity import Quantity
 
 Array = NDArray[np.float64]

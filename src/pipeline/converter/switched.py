@@ -15,10 +15,21 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from pipeline.converter.maps import Maps, maps
+from pipeline.converter.records import SwitchedBoost, SwitchedBuck
 from pipeline.converter.switched_kernel import PERIOD_COLUMNS, run_periods
-from pipeline.converter.switched_records import SwitchedBoost, SwitchedBuck
-from pipeline.converter.topologies import CAPACITOR, INDUCTOR, ONE, SIZE, THIRD, BatteryLoad, PanelSource, boost, buck
+from pipeline.converter.topologies import (
+    CAPACITOR,
+    INDUCTOR,
+    ONE,
+    SIZE,
+    THIRD,
+    BatteryLoad,
+    Maps,
+    PanelSource,
+    boost,
+    buck,
+    maps,
+)
 
 Array = NDArray[np.float64]
 

@@ -7,8 +7,8 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
+from pipeline.converter.records import SwitchedBoost
 from pipeline.converter.steady import steady_state, trace
-from pipeline.converter.switched_records import SwitchedBoost
 from pipeline.converter.topologies import CAPACITOR, DIODE, INDUCTOR, LOW, ON, THIRD, PanelSource, boost
 from pipeline.quantity import Quantity
 

@@ -19,6 +19,7 @@ from pipeline.charge import drive
 from pipeline.charge.checks import check
 from pipeline.charge.controller import compile_control
 from pipeline.charge.energy import balance
+from pipeline.charge.outcome import Outcome, trace
 from pipeline.charge.period import TICK, new_clock
 from pipeline.charge.program import compile_program
 from pipeline.charge.protocol import Course, resolve
@@ -30,7 +31,7 @@ from pipeline.charge.record_keeping import (
     VOLTAGE_LIMITED_S,
 )
 from pipeline.charge.records import ChargeSettings, EngineSettings, Mode
-from pipeline.charge.simulate import Outcome, Supply, launch, new_book, resting_run, trace
+from pipeline.charge.simulate import Supply, launch, new_book, resting_run
 from pipeline.charge.state import DEPTH, TEMPERATURE
 from pipeline.charge.waveforms import Sampled
 from pipeline.day.legs import Log, Place, pause, resume, shares, still_to_run, whole_samples

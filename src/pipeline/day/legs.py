@@ -8,10 +8,9 @@ from dataclasses import dataclass, field, replace
 from pipeline.bus.records import Switching
 from pipeline.bus.switches import ENDED, MODE_1, MODE_2, OFF, Change, closed
 from pipeline.charge.controller import Control, interrupt
-from pipeline.charge.ending import reason
+from pipeline.charge.outcome import Outcome, reason
 from pipeline.charge.protocol import Course, Protocol
 from pipeline.charge.segment import EDGE, ELAPSED, LIMITS
-from pipeline.charge.simulate import Outcome
 from pipeline.charge.state import Run
 from pipeline.charge.watching import NO_PEAK
 from pipeline.charge.waveforms import Rest, Sampled

@@ -11,8 +11,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from pipeline.grnn.data import Data
-from pipeline.grnn.records import AnfisSettings
+from pipeline.grnn.records import AnfisSettings, Data
 
 Array = NDArray[np.float64]
 

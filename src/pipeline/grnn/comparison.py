@@ -8,10 +8,9 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from pipeline.grnn.data import Data
 from pipeline.grnn.error import Form
-from pipeline.grnn.kernels import KERNELS
-from pipeline.grnn.records import FormSettings, Kernel, KernelStudy, Method, SelectionSettings, SizeStudy
+from pipeline.grnn.network import KERNELS
+from pipeline.grnn.records import Data, FormSettings, Kernel, KernelStudy, Method, SelectionSettings, SizeStudy
 from pipeline.grnn.selection import genetic, greedy
 from pipeline.grnn.selection.methods import SELECT, Task, Trial, trials
 from pipeline.grnn.selection.problem import Selected

@@ -8,10 +8,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from pipeline.grnn.data import Data
-from pipeline.grnn.kernels import EXTENDABLE, GAUSSIAN, KERNELS, weight
-from pipeline.grnn.network import TIE, Network, make_network
-from pipeline.grnn.records import Kernel
+from pipeline.grnn.network import EXTENDABLE, GAUSSIAN, KERNELS, TIE, Network, make_network, weight
+from pipeline.grnn.records import Data, Kernel
 from pipeline.jit import jit, kernel
 
 Array = NDArray[np.float64]

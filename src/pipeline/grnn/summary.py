@@ -9,15 +9,14 @@ from numpy.typing import NDArray
 
 from pipeline.grnn.anfis import Learning, nodes
 from pipeline.grnn.comparison import Comparison, Result, Size, Variety, after, units
-from pipeline.grnn.data import Data
 from pipeline.grnn.error import candidates
-from pipeline.grnn.kernels import EDGE
-from pipeline.grnn.records import FormSettings, Method, SelectionSettings
+from pipeline.grnn.network import EDGE
+from pipeline.grnn.records import Data, FormSettings, Method, SelectionSettings
 from pipeline.grnn.selection.least_squares import least_squares
 from pipeline.grnn.selection.methods import Task
 from pipeline.grnn.surfaces import Agreement
 from pipeline.quantity import Quantity
-from pipeline.search.effect import effect
+from pipeline.search.comparison import effect
 
 Array = NDArray[np.float64]
 

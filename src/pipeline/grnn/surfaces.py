@@ -7,8 +7,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from pipeline.grnn.data import Data, data_of
 from pipeline.grnn.records import (
+    Data,
     DataSettings,
     GradientUnit,
     Grid,
@@ -17,6 +17,7 @@ from pipeline.grnn.records import (
     Sigmoid,
     Surfaces,
     TakagiSugeno,
+    data_of,
 )
 
 Array = NDArray[np.float64]

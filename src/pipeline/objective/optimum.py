@@ -10,8 +10,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from pipeline.objective.loss import frequency_loss_w
 from pipeline.objective.records import Pairs
-from pipeline.objective.ripple import pair_slope_j
-from pipeline.objective.waveform import Steps
+from pipeline.objective.ripple import Steps, pair_slope_j
 
 Array = NDArray[np.float64]
 

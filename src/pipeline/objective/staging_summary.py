@@ -14,7 +14,7 @@ from pipeline.objective.staging_cases import Case, Constant
 from pipeline.objective.staging_optimum import Problem
 from pipeline.objective.staging_records import READINGS, Weights
 from pipeline.quantity import Quantity
-from pipeline.search.effect import effect
+from pipeline.search.comparison import effect
 
 Array = NDArray[np.float64]
 Columns = Mapping[str, NDArray[np.generic]]

@@ -7,12 +7,16 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from pipeline.objective.error import error_mw, integral_square_error
-from pipeline.objective.impedance import impedance_minimum_hz, resonance_hz
-from pipeline.objective.loss import breakdown, discharge_resistor_loss_w, switching_energy_j
+from pipeline.objective.loss import (
+    breakdown,
+    discharge_resistor_loss_w,
+    error_mw,
+    integral_square_error,
+    switching_energy_j,
+)
 from pipeline.objective.optimum import band_hz, optimal_frequency_hz
 from pipeline.objective.records import Pairs, ReflexFrequency, Waveform
-from pipeline.objective.waveform import steps, switched_currents_a
+from pipeline.objective.ripple import impedance_minimum_hz, resonance_hz, steps, switched_currents_a
 from pipeline.quantity import Quantity
 
 

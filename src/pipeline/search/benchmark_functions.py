@@ -15,9 +15,8 @@ from numpy.typing import NDArray
 
 from pipeline.jit import jit
 from pipeline.search.box import Box
-from pipeline.search.compiled import Compiled
+from pipeline.search.compiled import Compiled, sine_squared
 from pipeline.search.function_records import CENTRED, HALF_WIDTHS, ROTATED
-from pipeline.search.half_turns import sine_squared
 from pipeline.search.history import Objective
 
 Array = NDArray[np.float64]

@@ -8,7 +8,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from pipeline.search.effect import vargha_delaney
+from pipeline.search.comparison import vargha_delaney
 from pipeline.search.function_study import Runs
 
 Array = NDArray[np.float64]

@@ -7,16 +7,16 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from pipeline.search.algorithms.cuckoo import Settings
 from pipeline.search.box import Box
 from pipeline.search.compiled import Compiled
 from pipeline.search.history import History, Objective
 from pipeline.search.levy import BLOCK, Draws, draws
 from pipeline.search.moves import Course, Law, Nests, advance, fly_all, keep_all, walk_all
+from pipeline.search.records import CuckooSettings
 from pipeline.search.streams import Generators
 
 Array = NDArray[np.float64]
-Task = tuple[Objective, Box, Settings]
+Task = tuple[Objective, Box, CuckooSettings]
 
 
 def together(tasks: Sequence[Task], random: Generators) -> list[History]:
@@ -54,7 +54,7 @@ def together(tasks: Sequence[Task], random: Generators) -> list[History]:
 class Search:
     """One search on its way: its nests, and the best of each replicate so far."""
 
-    def __init__(self, objective: Objective, box: Box, settings: Settings, share: Array) -> None:
+    def __init__(self, objective: Objective, box: Box, settings: CuckooSettings, share: Array) -> None:
         """Evaluate nests in the box, from their places in the unit cube, shape (r, n, d)."""
         self._objective = objective
         self._law = Law(settings.pa, settings.step_scale, settings.ki, settings.leak, box.low, box.high)

@@ -11,8 +11,7 @@ from typing import Any
 import numpy as np
 
 from pipeline.search.box import Box
-from pipeline.search.history import History, Objective
-from pipeline.search.recorder import Recorder
+from pipeline.search.history import History, Objective, Recorder
 
 
 def drive(

@@ -1,10 +1,15 @@
-"""How the logistic map is looked at, as a study gives it; light to import."""
+"""How the logistic map is looked at, and the settings of cuckoo search; light to import."""
 
 from __future__ import annotations
 
+from typing import Literal
+
+import numpy as np
+from numpy.typing import NDArray
 from pydantic import Field, model_validator
 
 from pipeline.record import Record
+from pipeline.search.box import SearchSettings
 
 
 class ChaosSettings(Record):
@@ -26,3 +31,26 @@ class ChaosSettings(Record):
         if min(self.bins) < 2 or len(set(self.bins)) < len(self.bins):
             raise ValueError(f"bins is {list(self.bins)}; each must be 2 or more and stand there once")
         return self
+
+
+class CuckooSettings(SearchSettings):
+    """The settings of cuckoo search; as they stand by default it is plain cuckoo search."""
+
+    kind: Literal["cuckoo"] = "cuckoo"
+    nests: int = Field(ge=3, description="nests [1]")
+    generations: int = Field(ge=1, description="flights and walks of all nests, after their random start [1]")
+    pa: float = Field(default=0.25, ge=0, le=1, description="chance that a coordinate of a nest takes the walk [1]")
+    step_scale: float = Field(default=0.01, gt=0, description="Levy step over the distance to the best nest [1]")
+    levy_exponent: float = Field(default=1.5, gt=1, lt=2, description="exponent of the Levy law [1]")
+    inertia: float = Field(default=1.0, ge=0, le=1, description="weight w of a nest's own position; 1: plain [1]")
+    inertia_end: float | None = Field(
+        default=None, ge=0, le=1, description="weight in the last generation, falling evenly; none: constant [1]"
+    )
+    ki: float = Field(default=0.0, ge=0, description="integral constant Ki; 0: plain [1]")
+    leak: float = Field(default=0.9, ge=0, le=1, description="share of the integral that a generation keeps [1]")
+
+    def weights(self) -> NDArray[np.float64]:
+        """Return the inertia of every generation."""
+        return np.linspace(
+            self.inertia, self.inertia if self.inertia_end is None else self.inertia_end, self.generations
+        )

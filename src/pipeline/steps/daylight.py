@@ -12,8 +12,7 @@ from pydantic import TypeAdapter
 from pipeline import own_series, schemas, schemas_day, tables
 from pipeline.bus.load import drawn
 from pipeline.bus.records import LoadProfile
-from pipeline.converter.records import PowerChain
-from pipeline.converter.switched_records import SwitchedBoost
+from pipeline.converter.records import PowerChain, SwitchedBoost
 from pipeline.day.sunlight import Tracking, by_share, in_closed_loop, sunlight
 from pipeline.panel.records import Panel
 from pipeline.panel.single_diode import SingleDiode

@@ -11,9 +11,8 @@ from pipeline.cell.records import Battery
 from pipeline.charge.checks import check
 from pipeline.charge.comparison import compared
 from pipeline.charge.ensemble import EnsembleSettings, draw, with_values
-from pipeline.charge.many import Task, simulate_many
 from pipeline.charge.records import ChargeSettings, EngineSettings, Mode
-from pipeline.charge.simulate import Supply
+from pipeline.charge.simulate import Supply, Task, simulate_many
 from pipeline.digest import canonical
 from pipeline.errors import UserError
 from pipeline.steps.inputs import supply

@@ -13,10 +13,9 @@ from pipeline.draft import plain
 from pipeline.grnn import anfis
 from pipeline.grnn.charger_network import charger_network
 from pipeline.grnn.comparison import Comparison, after, compare
-from pipeline.grnn.data import Data
 from pipeline.grnn.error import network_of
 from pipeline.grnn.network import Network, responses
-from pipeline.grnn.records import LONG, AnfisSettings, FormSettings, SelectionSettings
+from pipeline.grnn.records import LONG, AnfisSettings, Data, FormSettings, SelectionSettings
 from pipeline.grnn.summary import of_networks
 from pipeline.search.genetic import Course
 from pipeline.steps import found as found_values

@@ -11,9 +11,8 @@ import numpy as np
 
 from pipeline import schemas_network, tables
 from pipeline.errors import UserError, best_matches
-from pipeline.grnn.data import Data, data_of
-from pipeline.grnn.kernels import KERNELS
-from pipeline.grnn.network import Network, make_network
+from pipeline.grnn.network import KERNELS, Network, make_network
+from pipeline.grnn.records import Data, data_of
 from pipeline.grnn.surfaces import Printed
 from pipeline.published.reference import REFERENCE
 

@@ -10,12 +10,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pipeline import quantity, schemas, tables
-from pipeline.objective.error import error_mw, integral_square_error
-from pipeline.objective.loss import breakdown, switching_energy_j
+from pipeline.objective.loss import breakdown, error_mw, integral_square_error, switching_energy_j
 from pipeline.objective.optimum import contour_energy_j, frequency_map_hz, optimal_frequency_hz
 from pipeline.objective.records import Pairs, ReflexFrequency, Waveform
+from pipeline.objective.ripple import Steps, steps, switched_currents_a
 from pipeline.objective.summary import of_modes, quantities
-from pipeline.objective.waveform import Steps, steps, switched_currents_a
 
 Array = NDArray[np.float64]
 

@@ -10,7 +10,7 @@ import pyarrow as pa
 import pyarrow.parquet as pq
 
 from pipeline.errors import UserError, best_matches
-from pipeline.grnn.data import Data, data_of
+from pipeline.grnn.records import Data, data_of
 
 COLUMNS = ("temperature_c", "gradient", "rate_c")
 

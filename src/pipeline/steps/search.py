@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pipeline import quantity, schemas, tables
-from pipeline.objective.error import objective_of
+from pipeline.objective.loss import objective_of
 from pipeline.objective.records import Problem
 from pipeline.search.comparison import Difference, Summary
 from pipeline.search.history import History

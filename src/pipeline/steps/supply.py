@@ -9,7 +9,7 @@ from typing import Any
 from pydantic import TypeAdapter
 
 from pipeline import own_series, schemas, tables
-from pipeline.converter.chain import battery_power
+from pipeline.converter.efficiency import battery_power
 from pipeline.converter.records import Load, PowerChain
 from pipeline.panel import curves
 from pipeline.panel.records import Panel

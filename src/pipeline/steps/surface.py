@@ -10,8 +10,7 @@ import numpy as np
 
 from pipeline import digest, quantity, schemas, schemas_network, tables
 from pipeline.errors import UserError
-from pipeline.grnn.data import Data
-from pipeline.grnn.records import DataSettings
+from pipeline.grnn.records import Data, DataSettings
 from pipeline.grnn.summary import of_surfaces
 from pipeline.grnn.surfaces import GRADIENT_SECONDS, Agreement, agreements, every_surface
 from pipeline.steps import networks, own_table

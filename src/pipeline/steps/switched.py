@@ -12,8 +12,8 @@ from pipeline import quantity, schemas, schemas_switched, tables
 from pipeline.cell.records import Battery
 from pipeline.charge import switched_columns
 from pipeline.charge.switched_view import View, view
+from pipeline.converter.records import SwitchedStage
 from pipeline.converter.switched_quantities import of_boost
-from pipeline.converter.switched_records import SwitchedStage
 
 
 def run(settings: Mapping[str, Any], inputs: Mapping[str, Path], output: Path) -> None:

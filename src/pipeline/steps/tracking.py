@@ -9,7 +9,7 @@ from typing import Any
 from pydantic import TypeAdapter
 
 from pipeline import quantity, schemas, schemas_supply, tables
-from pipeline.converter.switched_records import SwitchedBoost
+from pipeline.converter.records import SwitchedBoost
 from pipeline.panel.records import Panel
 from pipeline.panel.single_diode import SingleDiode
 from pipeline.tracker import ramps, shading, skies

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pipeline import quantity, schemas, tables
-from pipeline.objective.error import objective_of
+from pipeline.objective.loss import objective_of
 from pipeline.objective.records import Problem
 from pipeline.published.reference import REFERENCE
 from pipeline.quantity import Quantity
@@ -19,9 +19,8 @@ from pipeline.search.algorithms.swarm import Settings
 from pipeline.search.tuning import results
 from pipeline.steps import found, tuning_tables
 from pipeline.taguchi import arrays, summary
-from pipeline.taguchi.analysis import chosen_levels
+from pipeline.taguchi.analysis import anova, chosen_levels
 from pipeline.taguchi.records import Design
-from pipeline.taguchi.variance import anova
 
 Array = NDArray[np.float64]
 Levels = NDArray[np.int64]

@@ -10,8 +10,7 @@ from numpy.typing import NDArray
 
 from pipeline.tables import Table
 from pipeline.taguchi.agreement import agreement
-from pipeline.taguchi.analysis import level_sums, signal_to_noise_db
-from pipeline.taguchi.variance import Anova
+from pipeline.taguchi.analysis import Anova, level_sums, signal_to_noise_db
 
 Array = NDArray[np.float64]
 Levels = NDArray[np.int64]

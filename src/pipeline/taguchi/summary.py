@@ -9,9 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pipeline.quantity import Quantity
-from pipeline.taguchi.analysis import chosen_levels, predicted, rank, run_at
+from pipeline.taguchi.analysis import Anova, chosen_levels, predicted, rank, run_at
 from pipeline.taguchi.arrays import is_orthogonal
-from pipeline.taguchi.variance import Anova
 
 Array = NDArray[np.float64]
 Levels = NDArray[np.int64]

@@ -8,8 +8,9 @@ from typing import Any
 from pipeline.cell.circuit import compile_cell
 from pipeline.cell.records import Battery, Tabulated
 from pipeline.charge.energy import balance
+from pipeline.charge.outcome import Outcome
 from pipeline.charge.records import ChargeSettings, EngineSettings, Mode
-from pipeline.charge.simulate import BENCH, Outcome, run
+from pipeline.charge.simulate import BENCH, run
 from pipeline.charge.state import TEMPERATURE
 from pipeline.validation.records import FirstLaw, Found, Row, at_least, at_most
 from pipeline.validation.suited import suited

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from pipeline.grnn.data import Data
+from pipeline.grnn.records import Data
 from pipeline.grnn.selection.problem import Array, Problem, Selected, Strings, once
 from pipeline.search.streams import Generators
 

@@ -7,9 +7,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from pipeline.grnn.data import Data
 from pipeline.grnn.error import Form
-from pipeline.grnn.records import Kernel, Method, Widths
+from pipeline.grnn.records import Data, Kernel, Method, Widths
 from pipeline.grnn.selection import exchange, genetic, greedy, least_squares, medoids, random, random_best, regular
 from pipeline.grnn.selection.problem import Problem, Selected, problem_of
 from pipeline.search.genetic import GeneticSettings

@@ -7,8 +7,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from pipeline.grnn.data import Data
 from pipeline.grnn.error import Candidates, Form, candidates, errors
+from pipeline.grnn.records import Data
 from pipeline.search.genetic import GeneticSettings
 
 Array = NDArray[np.float64]

@@ -16,40 +16,15 @@ moved.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Literal
 
 import numpy as np
-from numpy.typing import NDArray
-from pydantic import Field
 
-from pipeline.search.box import Box, SearchSettings
+from pipeline.search.box import Box
 from pipeline.search.history import History, Objective
+from pipeline.search.records import CuckooSettings
 from pipeline.search.streams import generators
 
-Array = NDArray[np.float64]
-
-
-class Settings(SearchSettings):
-    """The settings of the family; as they stand by default it is plain cuckoo search."""
-
-    kind: Literal["cuckoo"] = "cuckoo"
-    nests: int = Field(ge=3, description="nests [1]")
-    generations: int = Field(ge=1, description="flights and walks of all nests, after their random start [1]")
-    pa: float = Field(default=0.25, ge=0, le=1, description="chance that a coordinate of a nest takes the walk [1]")
-    step_scale: float = Field(default=0.01, gt=0, description="Levy step over the distance to the best nest [1]")
-    levy_exponent: float = Field(default=1.5, gt=1, lt=2, description="exponent of the Levy law [1]")
-    inertia: float = Field(default=1.0, ge=0, le=1, description="weight w of a nest's own position; 1: plain [1]")
-    inertia_end: float | None = Field(
-        default=None, ge=0, le=1, description="weight in the last generation, falling evenly; none: constant [1]"
-    )
-    ki: float = Field(default=0.0, ge=0, description="integral constant Ki; 0: plain [1]")
-    leak: float = Field(default=0.9, ge=0, le=1, description="share of the integral that a generation keeps [1]")
-
-    def weights(self) -> Array:
-        """Return the inertia of every generation."""
-        return np.linspace(
-            self.inertia, self.inertia if self.inertia_end is None else self.inertia_end, self.generations
-        )
+Settings = CuckooSettings
 
 
 def minimise(objective: Objective, box: Box, settings: Settings, rng: np.random.Generator) -> History:

@@ -9,8 +9,7 @@ from numpy.typing import NDArray
 from pydantic import Field
 
 from pipeline.search.box import Box, SearchSettings
-from pipeline.search.history import History, Objective
-from pipeline.search.recorder import Recorder
+from pipeline.search.history import History, Objective, Recorder
 
 Array = NDArray[np.float64]
 

@@ -6,8 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pipeline.jit import inlined
-from pipeline.tracker.records import ConstantVoltage
-from pipeline.tracker.scales import Scales
+from pipeline.tracker.records import ConstantVoltage, Scales
 
 Array = NDArray[np.float64]
 

@@ -14,8 +14,7 @@ from numpy.typing import NDArray
 from pipeline.jit import inlined
 from pipeline.tracker.algorithms import perturb_observe
 from pipeline.tracker.algorithms.moves import BEGUN
-from pipeline.tracker.records import ParticleSwarm
-from pipeline.tracker.scales import Scales
+from pipeline.tracker.records import ParticleSwarm, Scales
 
 Array = NDArray[np.float64]
 

@@ -10,8 +10,7 @@ from numpy.typing import NDArray
 
 from pipeline.jit import inlined
 from pipeline.tracker.algorithms.moves import BEFORE, BEFORE_V, BEGUN, cut, keep
-from pipeline.tracker.records import PerturbObserve
-from pipeline.tracker.scales import Scales
+from pipeline.tracker.records import PerturbObserve, Scales
 
 Array = NDArray[np.float64]
 

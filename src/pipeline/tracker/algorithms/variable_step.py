@@ -10,8 +10,7 @@ from numpy.typing import NDArray
 
 from pipeline.jit import inlined
 from pipeline.tracker.algorithms.moves import BEFORE, BEFORE_V, BEGUN, cut, direction_by_slope, keep
-from pipeline.tracker.records import VariableStep
-from pipeline.tracker.scales import Scales, first_duty
+from pipeline.tracker.records import Scales, VariableStep, first_duty
 
 Array = NDArray[np.float64]
 

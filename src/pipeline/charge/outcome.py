@@ -1,17 +1,22 @@
-"""What ended a charge, and what it was to reach and did not."""
+"""A finished charge: its tables, what ended it, and what it was to reach and did not."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import TYPE_CHECKING
+from dataclasses import dataclass
+from typing import Any
 
-from pipeline.charge.protocol import UNTIL
+import numpy as np
+from numpy.typing import NDArray
+
+from pipeline.cell.circuit import ZERO_CELSIUS_K, Cell
+from pipeline.charge.protocol import UNTIL, Protocol
+from pipeline.charge.record_keeping import Book
 from pipeline.charge.records import Mode
 from pipeline.charge.segment import LIMITS
-from pipeline.charge.state import DEPTH
+from pipeline.charge.state import DEPTH, Run
 
-if TYPE_CHECKING:
-    from pipeline.charge.simulate import Outcome
+Columns = dict[str, Any]
 
 _WORDS = {
     "elapsed_s": ("elapsed", " s"),
@@ -25,6 +30,75 @@ _WORDS = {
 # What ends a charge that is done; time and temperature end one that is given up.
 _GOALS = ("soc", "voltage_v", "current_a", "voltage_drop_v", "temperature_rate_k_s")
 _ROUNDING = 1e-9
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """A finished run as the kernels left it, with what it was run on."""
+
+    cell: Cell
+    protocol: Protocol
+    run: Run
+    book: Book
+    start: NDArray[np.float64]
+    end_s: float
+
+
+def trace(outcome: Outcome, ambient_c: float) -> Columns:
+    """Return the samples as the columns of CHARGE_TRACE."""
+    rows = outcome.book.samples[: outcome.book.filled[0]].T
+    names = (
+        "Test Time / s",
+        "Voltage / V",
+        "Current / A",
+        "Step Index / 1",
+        "Charging Capacity / Ah",
+        "Discharging Capacity / Ah",
+        "Charging Energy / Wh",
+        "Discharging Energy / Wh",
+        "Surface Temperature T1 / degC",
+        "soc",
+        "voltage_min_v",
+        "voltage_max_v",
+        "current_min_a",
+        "current_max_a",
+        "side_current_a",
+        "supply_limited_share",
+        "voltage_limited_share",
+    )
+    columns: Columns = {name: row.copy() for name, row in zip(names, rows, strict=True)}
+    columns["Step Index / 1"] = columns["Step Index / 1"].astype(np.int64)
+    columns["Surface Temperature T1 / degC"] -= ZERO_CELSIUS_K
+    columns["Ambient Temperature / degC"] = np.full(rows.shape[1], ambient_c)
+    return columns
+
+
+def waveform(outcome: Outcome) -> Columns:
+    """Return what was kept at full resolution as the columns of CHARGE_WAVEFORM."""
+    rows = outcome.book.waveform[: outcome.book.filled[2]]
+    rows = rows[np.argsort(rows[:, 0], kind="stable")].T
+    return {
+        "window": rows[0].astype(np.int64),
+        "time_s": rows[1].copy(),
+        "current_a": rows[2].copy(),
+        "voltage_v": rows[3].copy(),
+        "soc": rows[4].copy(),
+        "temperature_c": rows[5] - ZERO_CELSIUS_K,
+    }
+
+
+def phases(outcome: Outcome) -> Columns:
+    """Return the phases that were run as the columns of CHARGE_PHASES."""
+    rows = outcome.book.phases[: outcome.book.filled[1]]
+    return {
+        "phase": [outcome.protocol.courses[int(course)].name for course in rows[:, 7]],
+        "start_s": rows[:, 1].copy(),
+        "end_s": rows[:, 2].copy(),
+        "end_reason": [reason(outcome, row) for row in range(len(rows))],
+        "start_soc": 1.0 - rows[:, 4],
+        "end_soc": 1.0 - rows[:, 5],
+        "end_temperature_c": rows[:, 6] - ZERO_CELSIUS_K,
+    }
 
 
 def reason(outcome: Outcome, row: int) -> str:
@@ -58,8 +132,8 @@ def missed(outcome: Outcome, mode: Mode) -> str | None:
 
 def _end(outcome: Outcome, row: int) -> tuple[str, Mapping[str, float], bool]:
     """Return which limit ended a phase, the limits that it is one of, and whether they are those of the charge."""
-    phases = outcome.book.phases[: outcome.book.filled[1]]
-    code, course = int(phases[row, 3]), outcome.protocol.courses[int(phases[row, 7])]
+    rows = outcome.book.phases[: outcome.book.filled[1]]
+    code, course = int(rows[row, 3]), outcome.protocol.courses[int(rows[row, 7])]
     if code == 2 * LIMITS:
         assert course.edge_soc is not None
         return "soc", {"soc": course.edge_soc}, False
