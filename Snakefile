@@ -2,9 +2,11 @@
 #
 #   snakemake --cores 2 all
 #   snakemake --cores 2 all --config overrides="battery=lead_acid_12v18ah modes.cv_reflex.frequency_hz=50"
+#   snakemake --cores 2 reports/solar_reflex/default/figures/figure_16_battery_temperature.svg
 #
-# The plan says which artefacts a configuration needs; the rules make them. What is valid is decided by keys in
-# results/store, so a receipt is all that Snakemake needs to look at.
+# The plan says which artefacts a configuration needs; the rules make them, one for each step that an experiment
+# declares (`python -m pipeline steps` prints them). What is valid is decided by keys in results/store, so a receipt
+# is all that Snakemake needs to look at.
 from snakemake.utils import min_version
 
 min_version("9.0")
@@ -27,13 +29,5 @@ rule all:
         flow.target("all"),
 
 
-include: "workflow/rules/targets.smk"
-include: "workflow/rules/supply.smk"
-include: "workflow/rules/search.smk"
-include: "workflow/rules/network.smk"
-include: "workflow/rules/staging.smk"
-include: "workflow/rules/functions.smk"
-include: "workflow/rules/charge.smk"
-include: "workflow/rules/day.smk"
-include: "workflow/rules/validation.smk"
-include: "workflow/rules/report.smk"
+include: "workflow/steps.smk"
+include: "workflow/targets.smk"

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
+from typing import Any
 
 from benchmarks.peers import engine as peer
 from benchmarks.protocol import Figure, Row, Times, compared, interleaved, once
@@ -17,7 +18,7 @@ from pipeline.bus.load import drawn
 from pipeline.charge.records import EngineSettings
 from pipeline.charge.simulate import warm_up
 from pipeline.config.compose import compose_tree
-from pipeline.config.study import Study, study_from
+from pipeline.config.study import study_from
 from pipeline.day import columns
 from pipeline.day.charge import DayCharge, Surroundings, charge_over_day
 from pipeline.day.sunlight import Sunlight, in_closed_loop, sunlight
@@ -36,7 +37,7 @@ MODE, FREQUENCY_HZ = "cv_reflex", 90.0
 class Day:
     """A day of the study; `diode` is the fitted model of its panel."""
 
-    study: Study
+    study: Any
     weather: str
     diode: SingleDiode
 

@@ -18,11 +18,11 @@ import numpy as np
 import yaml
 
 from pipeline.config.sources import split
+from pipeline.experiments.network.records import NetworkStudy
+from pipeline.experiments.network.surfaces import every_surface
 from pipeline.grnn.error import Form
-from pipeline.grnn.records import NetworkStudy
 from pipeline.grnn.selection import genetic
 from pipeline.grnn.selection.problem import Problem, problem_of
-from pipeline.grnn.surfaces import every_surface
 from pipeline.search.streams import generators
 
 CONF = Path(__file__).parents[1] / "conf"
@@ -31,7 +31,7 @@ WIDTHS = (0.1, 10.0)
 
 
 def problem() -> Problem:
-    values, _ = split(yaml.safe_load((CONF / "network" / "ga_grnn.yaml").read_text()))
+    values, _ = split(yaml.safe_load((CONF / "study" / "nicd_grnn.yaml").read_text())["network"])
     study = NetworkStudy(**values)
     data = every_surface(study.data)[study.data.surface]
     form = Form(study.form.kernel, WIDTHS, study.form.extension)

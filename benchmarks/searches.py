@@ -139,16 +139,16 @@ def niapy_search() -> Search | None:
 def problems() -> Iterator[tuple[str, Problem]]:
     for name in ("sphere", "rastrigin"):
         yield f"{name}, shifted", problem(name, "shifted", DIMENSIONS, 0.4, 1)
-    if importlib.util.find_spec("pipeline.objective.staging"):
+    if importlib.util.find_spec("pipeline.experiments.staging"):
         yield "stage currents", staged_charge()
 
 
 def staged_charge() -> Problem:
     """Return the currents of eight stages, time and rise of equal weight."""
     from pipeline.cell.records import Battery
-    from pipeline.objective.staging import Limits, objective_of
-    from pipeline.objective.staging_grid import make_grid
-    from pipeline.objective.staging_records import Currents, Weights
+    from pipeline.experiments.staging.kernel import make_grid
+    from pipeline.experiments.staging.records import Currents, Weights
+    from pipeline.experiments.staging.stage_charges import Limits, objective_of
 
     sheet = yaml.safe_load((CONF / "battery/lfp_8ah.yaml").read_text())
     sheet.pop("sources", None)

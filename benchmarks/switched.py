@@ -124,7 +124,7 @@ def _error(found: np.ndarray, expected: np.ndarray) -> float:
 
 def rows() -> list[Row]:
     """Return a row a peer, and one of ours under its control, which costs more than a fixed duty."""
-    settings = load("converter_parts/usual.yaml")
+    settings = load("converter_parts/usual.yaml")["switched"]
     stage = SwitchedStage(**settings)
     # One resistance for both switches, so that a deck needs a source alone.
     same = {"rectifier": "synchronous", "rectifier_resistance_ohm": stage.buck.on_resistance_ohm}

@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 # Those that charge; the rest of these folders goes along, which shares the work evenly between two workers.
-ENGINE = ("charge", "day", "objective", "steps", "validation", "workflow", "report/test_nickel_figures.py")
+ENGINE = ("charge", "day", "objective", "steps", "validation", "workflow", "experiments/trade_off")
 KERNELS = ("converter", "grnn", "panel", "search", "tracker")
 ROOT = Path(__file__).parent
 

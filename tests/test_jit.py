@@ -11,8 +11,8 @@ from pathlib import Path
 import numba
 import pytest
 
-from pipeline.digest import PACKAGE
 from pipeline.jit import Folder, cache_folder, kernel
+from pipeline.kernel.digest import PACKAGE
 
 ASK = """
 from pipeline.search import compiled

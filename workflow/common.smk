@@ -1,13 +1,13 @@
 # What the rules share: the plan as Snakemake sees it.
-from pipeline.workflow import forced, open_workflow
+from pipeline.commands.workflow import forced, open_workflow
 
 flow = open_workflow(config, tidy=workflow.is_main_process)
 
 
-# A forced job computes what is there already and compares.
-def again(rule_name):
-    return lambda wildcards: (
-        "--again" if forced(rule_name, workflow.dag_settings) else ""
+# The command of a step's jobs; a forced job computes what is there already and compares.
+def command(step, rule_name):
+    return lambda wildcards: flow.command(
+        step, wildcards.chunk, forced(rule_name, workflow.dag_settings)
     )
 
 

@@ -1,13 +1,19 @@
-"""`python -m pipeline`: runs studies, compares and reports runs, validates the engine, keeps the store."""
+"""`python -m pipeline`: runs studies, compares and reports runs, validates the engine, keeps the store, explains."""
 
 from __future__ import annotations
 
+import os
 import sys
+import time
+import traceback
 from collections.abc import Callable, Sequence
+from importlib import import_module
 
 from pipeline.errors import UserError
+from pipeline.kernel import store
 
-COMMANDS = ("run", "compare", "report", "store", "validate")
+COMMANDS = ("run", "compare", "report", "store", "validate", "steps", "modes", "schema", "new")
+"""The words; each is a module of `pipeline.commands` with `main(arguments) -> exit code`."""
 
 
 def main(arguments: Sequence[str]) -> int:
@@ -19,19 +25,27 @@ def main(arguments: Sequence[str]) -> int:
     except UserError as error:
         print(f"error: {error}", file=sys.stderr)
         return 2
+    except BrokenPipeError:  # whoever reads what is printed has seen enough
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        return 0
+    except Exception as error:  # the last resort: one line for a person, the rest for whoever mends the program
+        print(f"error: {type(error).__name__}: {' '.join(str(error).split())[:300]}{_log()}", file=sys.stderr)
+        return 1
+
+
+def _log() -> str:
+    """Write the traceback to a file under results/logs; return how the message names it."""
+    name = f"error-{time.strftime('%Y%m%dT%H%M%S')}-{os.getpid()}.log"
+    try:
+        file = store.RESULTS / "logs" / name
+        store.write_text(file, traceback.format_exc())
+    except OSError as error:
+        return f" (no log file: {error.strerror})"
+    return f" (unexpected; details in {file})"
 
 
 def _command(name: str) -> Callable[[Sequence[str]], int]:
-    if name == "run":
-        from pipeline.commands.run import main as command
-    elif name == "compare":
-        from pipeline.commands.compare import main as command
-    elif name == "report":
-        from pipeline.commands.report import main as command
-    elif name == "validate":
-        from pipeline.commands.validate import main as command
-    else:
-        from pipeline.commands.store import main as command
+    command: Callable[[Sequence[str]], int] = import_module(f"pipeline.commands.{name}").main
     return command
 
 

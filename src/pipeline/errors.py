@@ -1,13 +1,13 @@
-"""The one exception that means: the person at the keyboard can mend this."""
+"""Errors for people, and the names they may have meant."""
 
 from __future__ import annotations
 
 import difflib
 from collections.abc import Iterable
 
+from pipeline.kernel.errors import EngineError, UserError
 
-class UserError(Exception):
-    """A mistake in what was asked for; printed as one message, exit code 2, no traceback."""
+__all__ = ["EngineError", "UserError", "best_matches", "closest"]
 
 
 def closest(name: str, known: Iterable[str], most: int = 3) -> list[str]:
@@ -23,7 +23,3 @@ def best_matches(name: str, known: Iterable[str]) -> str:
     if near:
         return "best matches are: " + ", ".join(near)
     return "known are: " + (", ".join(names) if names else "none")
-
-
-class EngineError(RuntimeError):
-    """A charge could not be computed to its end; the message says where it stood."""

@@ -19,7 +19,7 @@ import numpy as np
 from numba.core import config
 from numpy.typing import NDArray
 
-from pipeline import digest
+from pipeline.kernel import digest
 
 F = TypeVar("F", bound=Callable[..., Any])
 _LOCATORS = f"{__name__}.Folder,UserProvidedCacheLocator,InTreeCacheLocator,UserWideCacheLocator,IPythonCacheLocator"

@@ -6,10 +6,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 from pydantic import TypeAdapter, ValidationError
 
-from pipeline.bus.flows import available, flows
+from pipeline.bus.flows import MODE_1, MODE_2, OFF, Change, available, charging_spans, closed, flows, state_at
 from pipeline.bus.load import Drawn, drawn, held
 from pipeline.bus.records import HourlyLoad, LoadProfile, MeasuredLoad, Switching
-from pipeline.bus.switches import MODE_1, MODE_2, OFF, Change, charging_spans, closed, state_at
 from pipeline.converter.records import Converter, Load, PowerChain
 from pipeline.errors import UserError
 

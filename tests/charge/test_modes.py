@@ -8,14 +8,14 @@ import pytest
 from pydantic import ValidationError
 
 import pipeline
-from pipeline import schemas
 from pipeline.charge.checks import check
 from pipeline.charge.protocol import resolve
 from pipeline.charge.records import Mode
 from pipeline.charge.simulate import warm_up
 from pipeline.errors import UserError
-from pipeline.tables import to_arrow
+from pipeline.kernel.tables import to_arrow
 from tests.charge.samples import BATTERIES, MODES, battery, charge, load, settings
+from tests.making import declared
 
 LEAD = battery("lead_acid_12v7ah")
 
@@ -92,12 +92,12 @@ def test_every_table_is_as_declared():
     sheet = load("modes/cv_reflex.yaml") | {"stop": {"elapsed_s": 2.0}}
     result = charge(LEAD, Mode(**sheet), settings(0.5, windows=windows, soc_marks=[0.9]))
     for table, columns in (
-        (schemas.CHARGE_TRACE, result.trace),
-        (schemas.CHARGE_WAVEFORM, result.waveform),
-        (schemas.CHARGE_PHASES, result.phases),
-        (schemas.CHARGE_ENERGY, result.energy),
+        (declared("charge")["trace"].table, result.trace),
+        (declared("charge")["waveform"].table, result.waveform),
+        (declared("charge")["phases"].table, result.phases),
+        (declared("charge")["energy"].table, result.energy),
         (
-            schemas.CHARGE_SUMMARY,
+            declared("charge")["summary"].table,
             {name: [getattr(row, name) for row in result.summary] for name in result.summary[0]._fields},
         ),
     ):

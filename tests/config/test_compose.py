@@ -13,7 +13,7 @@ from hydra import compose, initialize_config_dir
 from omegaconf import OmegaConf
 
 from pipeline.config.compose import compose_tree, expand, options
-from pipeline.config.files import CONF
+from pipeline.config.inheritance import CONF
 from pipeline.config.sources import split
 from pipeline.config.study import study_from
 from pipeline.errors import UserError
@@ -107,7 +107,7 @@ def test_an_edited_file_is_read_again(tmp_path: Path) -> None:
         ("day=null", "override day=null: a group is left out with ~day"),
         ("battery@second_battery=null", "a group is left out with ~battery@second_battery"),
         ("~dy", "override ~dy: the configuration has no key 'dy'; best matches are: day"),
-        ("~staging", "override ~staging: this study has no staging; it has: battery, "),
+        ("~functions", "override ~functions: this study has no functions; it has: battery, "),
         ("~modes.cc_cv.volts_v", "override ~modes.cc_cv.volts_v: modes.cc_cv has no key 'volts_v'; .* voltage_v"),
     ],
 )

@@ -10,7 +10,7 @@ import pytest
 import yaml
 
 from pipeline.config.compose import compose_tree
-from pipeline.config.files import CONF
+from pipeline.config.inheritance import CONF
 from pipeline.config.sources import Source
 from pipeline.config.study import study_from
 from pipeline.errors import UserError

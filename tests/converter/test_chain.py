@@ -9,10 +9,10 @@ from hypothesis import given
 from hypothesis import strategies as st
 from pydantic import ValidationError
 
-from pipeline import schemas, tables
 from pipeline.converter.efficiency import battery_power, unserved_load_w
 from pipeline.converter.records import Converter, Load, PowerChain, check
 from pipeline.errors import UserError
+from pipeline.kernel import registry, tables
 
 CONF = Path(__file__).parents[2] / "conf"
 
@@ -38,7 +38,7 @@ def test_the_defaults_by_hand(tmp_path):
     found = follow([65.25, 39.52, 20.0])
     np.testing.assert_allclose(found["bus_power_w"], np.array([65.25, 39.52, 20.0]) * 0.99 * 0.95, rtol=1e-14)
     np.testing.assert_allclose(found["battery_power_w"], [38.0578, 15.7953, 0.0], atol=5e-4)
-    tables.write(schemas.SUPPLY, found, tmp_path / "supply.parquet")
+    tables.write(registry.steps()["supply"].tables["supply"].table, found, tmp_path / "supply.parquet")
 
 
 def test_full_sun_carries_the_largest_mean_equivalent_pulse_and_600_w_m2_does_not():

@@ -1,4 +1,4 @@
-"""Converters of parts: lossless ones, energy, the boundary of continuous conduction, the switches, and the chain."""
+"""Converters of parts: lossless ones, energy, the boundary of continuous conduction, and the chain."""
 
 from __future__ import annotations
 
@@ -8,10 +8,7 @@ import numpy as np
 import pytest
 import yaml
 
-from pipeline import schemas_supply, tables
 from pipeline.converter.efficiency import battery_power, boost_efficiency, buck_efficiency, loads
-from pipeline.converter.efficiency_map import against_switches, efficiency_map, quantities
-from pipeline.converter.loss_kernel import COLUMNS
 from pipeline.converter.records import Load, PowerChain
 
 CONF = Path(__file__).parents[2] / "conf"
@@ -23,14 +20,16 @@ LOSSES = ("transition_time_s", "node_capacitance_f", "gate_charge_c", "core_loss
 
 def read(path: str) -> dict:
     found = yaml.safe_load((CONF / path).read_text())
-    found.pop("sources")
+    for part in (found, *found.values()):
+        if isinstance(part, dict):
+            part.pop("sources", None)
     found.pop("defaults", None)
     return found
 
 
 @pytest.fixture(scope="module")
 def chain() -> PowerChain:
-    parts = {"switched": read("converter_parts/usual.yaml"), "losses": read("converter_losses/usual.yaml")}
+    parts = read("converter_parts/usual.yaml")
     return PowerChain(**read("converter/parts.yaml"), **parts)
 
 
@@ -78,26 +77,6 @@ def test_every_loss_costs(chain, which, loss):
     assert after[-1] < before[-1]
 
 
-@pytest.mark.parametrize("which", VOLTS)
-def test_it_agrees_with_the_switches(chain, which):
-    found = against_switches(chain, 17.4, 65.25)
-    rows = [row for row, name in enumerate(found["converter"]) if name == which]
-    assert len(rows) == 9
-    # At a light load the current ends within the period, at a heavy one it does not.
-    duties = loads(chain, which, *VOLTS[which], np.array(found["power_w"])[rows]).columns["duty"]
-    assert duties[0] < 0.5 * duties[-1]
-    for row in rows:
-        assert found["averaged"][row] == pytest.approx(found["switched"][row], abs=5e-4)
-
-
-def test_it_agrees_with_the_switches_where_losses_are_large(chain):
-    heavy = changed(chain, "buck", "switched", on_resistance_ohm=0.3, rectifier_resistance_ohm=0.2)
-    heavy = changed(heavy, "boost", "switched", on_resistance_ohm=0.3, inductor_resistance_ohm=0.3)
-    found = against_switches(heavy, 17.4, 65.25)
-    assert min(found["switched"]) < 0.92
-    np.testing.assert_allclose(found["averaged"], found["switched"], atol=2e-3)
-
-
 def test_efficiency_by_output_is_that_by_input(chain):
     drawn = np.linspace(0.5, 60.0, 30)
     by_input = buck_efficiency(chain, 13.5, drawn)
@@ -134,21 +113,3 @@ def test_the_chain_takes_the_efficiency_of_its_load(chain):
         tracked * found["boost_efficiency"] * buck_efficiency(chain, 13.5, found["bus_power_w"]),
     )
     assert len(set(found["buck_efficiency"])) == 3
-
-
-def test_the_map_is_as_declared_and_adds_up(chain, tmp_path):
-    found = efficiency_map(chain, 17.4, 65.25)
-    check = against_switches(chain, 17.4, 65.25)
-    for name, columns in (("efficiency", found), ("check", check)):
-        file, table = schemas_supply.ARTEFACTS["converters", name]
-        tables.write(table, columns, tmp_path / file)
-    lost = sum(found[path] for path in COLUMNS[2:])
-    np.testing.assert_allclose(found["efficiency"], 1.0 - lost / found["power_w"], rtol=1e-9)
-    assert set(found["converter"]) == {"boost", "buck"}
-    numbers = {one.name: one.value for one in quantities(found, check)}
-    assert 0.9 < numbers["boost_full_efficiency"] < numbers["boost_best_efficiency"] < 1.0
-    assert numbers["buck_off_switched"] < 5e-4
-
-
-def test_a_panel_above_the_bus_has_no_boost_converter(chain):
-    assert set(efficiency_map(chain, 30.0, 65.25)["converter"]) == {"buck"}

@@ -21,13 +21,11 @@ GROUPS = {
     "panel": Panel | PanelEntry,
     "weather": ConstantWeather,
     "converter": PowerChain,
-    "converter_parts": SwitchedStage,
-    "converter_losses": ChainLosses,
     "load": Load,
     "tracker": AnyTracker,
 }
-PARTS = {"switched": "converter_parts", "losses": "converter_losses"}
-"""What the converters' files take from other groups."""
+PARTS = {"switched": SwitchedStage, "losses": ChainLosses}
+"""What the converters' files take from the group of their parts."""
 # The other kinds of weather and load, and the trackers' skies, are composed with their defaults in tests/config.
 PLAIN = {"weather": ("constant",), "load": ("master_system",)}
 FILES = [
@@ -44,12 +42,19 @@ def test_every_number_has_a_source(path):
     sources = joined(settings)
     whole = settings
     if settings.pop("defaults", None):
-        whole = settings | {
-            key: yaml.safe_load((CONF / group / "usual.yaml").read_text()) for key, group in PARTS.items()
-        }
-        for key in PARTS:
-            whole[key].pop("sources")
+        parts = yaml.safe_load((CONF / "converter_parts" / "usual.yaml").read_text())
+        for part in parts.values():
+            part.pop("sources")
+        whole = settings | parts
     TypeAdapter(GROUPS[path.parent.name]).validate_python(whole)
+    check(settings, sources)
+
+
+@pytest.mark.parametrize("name", PARTS)
+def test_every_number_of_the_parts_has_a_source(name):
+    settings = yaml.safe_load((CONF / "converter_parts" / "usual.yaml").read_text())[name]
+    sources = joined(settings)
+    PARTS[name].model_validate(settings)
     check(settings, sources)
 
 
@@ -81,8 +86,8 @@ def numbers(value):
 
 def test_records_import_nothing_heavy():
     code = (
-        "import sys, pipeline.panel.records, pipeline.converter.records\n"
-        "import pipeline.panel.database, pipeline.tracker.records, pipeline.tracker.tracking_records\n"
+        "import sys, pipeline.panel.records, pipeline.converter.records, pipeline.converter.records\n"
+        "import pipeline.panel.database, pipeline.tracker.records, pipeline.experiments.tracking.records\n"
         "print([m for m in ('numba', 'scipy', 'pvlib', 'matplotlib', 'pandas', 'numpy') if m in sys.modules])"
     )
     environment = {**os.environ, "PYTHONPATH": str(CONF.parent / "src")}

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from pipeline.bus.switches import ENDED, MODE_1, MODE_2, OFF
+from pipeline.bus.flows import ENDED, MODE_1, MODE_2, OFF
 from pipeline.charge.records import ChargeSettings, EngineSettings
 from pipeline.charge.simulate import Supply, simulate
 from pipeline.day.charge import charge_over_day

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from pipeline.bus.switches import ENDED, OFF
+from pipeline.bus.flows import ENDED, OFF
 from pipeline.charge.records import ChargeSettings, EngineSettings, Mode
 from pipeline.charge.simulate import BENCH, Supply, simulate
 from pipeline.day.charge import charge_over_day

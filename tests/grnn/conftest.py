@@ -6,8 +6,8 @@ import pytest
 import yaml
 
 from pipeline.config.sources import split
-from pipeline.grnn.records import NetworkStudy
-from pipeline.grnn.surfaces import every_surface
+from pipeline.experiments.network.records import NetworkStudy
+from pipeline.experiments.network.surfaces import every_surface
 
 CONF = Path(__file__).parents[2] / "conf"
 
@@ -15,7 +15,7 @@ CONF = Path(__file__).parents[2] / "conf"
 @pytest.fixture(scope="session")
 def study() -> NetworkStudy:
     """Return the network of the Ni-Cd study as it is shipped."""
-    values, _ = split(yaml.safe_load((CONF / "network" / "ga_grnn.yaml").read_text()))
+    values, _ = split(yaml.safe_load((CONF / "study" / "nicd_grnn.yaml").read_text())["network"])
     return NetworkStudy(**values)
 
 

@@ -9,7 +9,6 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from pipeline.grnn.comparison import units
 from pipeline.grnn.network import (
     KERNELS,
     command,
@@ -153,7 +152,3 @@ def test_outputs_must_fit_the_centres():
         make_network(CENTRES, RATES[:-1], widths=0.1)
     with pytest.raises(ValueError, match="finite"):
         make_network(CENTRES, [np.nan, *RATES[1:]], widths=0.1)
-
-
-def test_units_are_counted_as_the_paper_counts_them():
-    assert (units(6), units(561)) == (13, 1123)

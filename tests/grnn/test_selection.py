@@ -7,7 +7,6 @@ from itertools import combinations
 import numpy as np
 import pytest
 
-from pipeline.grnn.comparison import after, compare, sizes
 from pipeline.grnn.error import Form
 from pipeline.grnn.records import data_of
 from pipeline.grnn.selection import genetic, greedy
@@ -122,27 +121,3 @@ def test_the_best_widths_come_first_and_no_trial_is_a_replicate(study, surfaces)
     assert {one.widths for one in found} == {(0.01, 10.0), (0.1, 10.0)}
     own = SELECT["random_best"](task.problem(found[0].widths, 60), generators(1, 0, widths.trial_replicates))
     assert found[0].error not in own.error
-
-
-def test_a_comparison_takes_the_used_network_from_its_generation(study, surfaces):
-    changes = {"methods": ("genetic", "regular"), "replicates": 3, "generations": 10, "long_generations": 25}
-    settings = study.selection.model_copy(update=changes)
-    widths = study.form.widths.model_copy(update={"temperature": (0.1,), "gradient": (10.0,)})
-    form = study.form.model_copy(update={"widths": widths})
-    found = compare(form, settings, surfaces["plateau_ramp"], 4)
-    used = found.results["genetic"].selected
-    np.testing.assert_array_equal(used.error, found.course.history.value[:, 10])
-    assert used.evaluations == 20 + 10 * 18
-    short = compare(form, settings.model_copy(update={"long_generations": 10}), surfaces["plateau_ramp"], 4)
-    np.testing.assert_array_equal(short.results["genetic"].selected.rows, used.rows)
-    assert np.all(after(found.course, 25).error <= used.error)
-
-
-def test_more_centres_are_selected_for_the_sizes_asked_for(study, surfaces):
-    asked = study.size.model_copy(update={"smallest": 2, "largest": 3, "generations": 20, "replicates": 2})
-    widths = study.form.widths.model_copy(update={"temperature": (0.1,), "gradient": (10.0,)})
-    form = study.form.model_copy(update={"widths": widths})
-    found = list(sizes(form, GENETIC, asked, surfaces["plateau_ramp"], 1))
-    assert [one.centres for one in found] == [2, 3]
-    assert found[1].forward_error < found[0].forward_error
-    assert all(len(one.error) == 2 for one in found)

@@ -1,13 +1,9 @@
 from __future__ import annotations
 
-from pathlib import Path
-
 import pytest
-import yaml
 
 from pipeline.objective.records import Pairs, ReflexFrequency, Waveform
-
-CONF = Path(__file__).parents[2] / "conf"
+from tests.cards import card
 
 
 @pytest.fixture(scope="session")
@@ -23,6 +19,4 @@ def pairs():
 
 @pytest.fixture(scope="session")
 def settings():
-    values = yaml.safe_load((CONF / "objective" / "reflex_frequency.yaml").read_text())
-    values.pop("sources")
-    return ReflexFrequency(**values)
+    return ReflexFrequency(**card("objective"))

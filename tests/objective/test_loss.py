@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 from scipy.optimize import minimize_scalar
 
+from pipeline.experiments.frequency.objective import quantities
 from pipeline.objective.loss import (
     breakdown,
     discharge_resistor_loss_w,
@@ -22,7 +23,6 @@ from pipeline.objective.ripple import (
     ripple_square_a2,
     steps,
 )
-from pipeline.objective.summary import quantities
 
 ENERGY = 3.757e-6
 FREQUENCIES = [1, 10, 30, 50, 70, 90, 120, 200, 500, 1000]

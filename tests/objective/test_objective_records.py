@@ -12,6 +12,7 @@ from pydantic import ValidationError
 from pipeline.objective.records import ReflexFrequency, Waveform
 from pipeline.search.registry import settings_from
 from pipeline.taguchi.records import Design
+from tests.cards import with_sources
 
 CONF = Path(__file__).parents[2] / "conf"
 READERS = {
@@ -19,7 +20,10 @@ READERS = {
     "search": settings_from,
     "design": lambda values: Design(**values),
 }
-FILES = [path for group in READERS for path in sorted((CONF / group).glob("*.yaml"))]
+SECTIONS = {f"solar_reflex/{name}": (name, with_sources(name)) for name in ("objective", "design")} | {
+    f"search/{path.stem}": ("search", yaml.safe_load(path.read_text()))
+    for path in sorted((CONF / "search").glob("*.yaml"))
+}
 
 
 def numbers(values, path=()):
@@ -46,11 +50,11 @@ def range_of(sources, path):
     return sources.get("range")
 
 
-@pytest.mark.parametrize("path", FILES, ids=lambda path: f"{path.parent.name}/{path.stem}")
-def test_every_number_has_a_source(path):
-    values = yaml.safe_load(path.read_text())
+@pytest.mark.parametrize("name", SECTIONS)
+def test_every_number_has_a_source(name):
+    kind, values = SECTIONS[name][0], dict(SECTIONS[name][1])
     sources = values.pop("sources")
-    READERS[path.parent.name](values)
+    READERS[kind](values)
     for key, value in numbers(values):
         source = source_of(sources, key)
         assert source["kind"] in {"published", "data_sheet", "derived", "estimate", "calibrated"}
@@ -61,7 +65,7 @@ def test_every_number_has_a_source(path):
 
 
 def test_two_values_are_calibrated_and_say_to_what():
-    sources = yaml.safe_load((CONF / "objective" / "reflex_frequency.yaml").read_text())["sources"]
+    sources = with_sources("objective")["sources"]
     assert sources["transistor"]["fall_time_s"]["to"] == "solar_reflex.frequency_converges_at_90_hz"
     assert sources["window_s"]["to"] == "solar_reflex.ise_converges_at_0_2"
 

@@ -5,8 +5,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 from pvlib.pvsystem import calcparams_cec, i_from_v, retrieve_sam, sapm, singlediode
+from tests.making import declared
 
-from pipeline import schemas, tables
+from pipeline.kernel import tables
 from pipeline.panel.curves import curves, parameters, points
 from pipeline.panel.records import PanelCurveSettings
 
@@ -25,9 +26,9 @@ def by_curve(columns, name):
 
 def test_tables_are_as_declared(kc65t, diode, grid, tmp_path):
     made = {
-        schemas.PANEL_CURVES: grid[0],
-        schemas.PANEL_POINTS: grid[1],
-        schemas.PANEL_PARAMETERS: parameters(kc65t, diode),
+        declared("panel")["curves"].table: grid[0],
+        declared("panel")["points"].table: grid[1],
+        declared("panel")["parameters"].table: parameters(kc65t, diode),
     }
     for table, columns in made.items():
         tables.write(table, columns, tmp_path / table.name)

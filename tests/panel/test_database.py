@@ -7,7 +7,7 @@ import pytest
 from pvlib.pvsystem import retrieve_sam
 
 from pipeline.errors import UserError
-from pipeline.panel.agreement import agreement
+from pipeline.panel.curves import agreement
 from pipeline.panel.database import PanelEntry, look_up, names, reference
 from pipeline.panel.records import Panel
 from pipeline.panel.single_diode import fit

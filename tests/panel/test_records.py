@@ -3,8 +3,8 @@ from __future__ import annotations
 import pytest
 from pydantic import ValidationError
 
+from pipeline.panel.curves import conditions
 from pipeline.panel.records import ConstantWeather, PanelCurveSettings
-from pipeline.panel.weather import conditions
 
 
 @pytest.mark.parametrize(

@@ -7,9 +7,8 @@ import pytest
 from pvlib.pvsystem import calcparams_cec, calcparams_desoto, max_power_point, retrieve_sam, singlediode
 
 from pipeline.errors import UserError
-from pipeline.panel.equivalent import at_temperature, max_power_w
 from pipeline.panel.records import Panel
-from pipeline.panel.single_diode import SingleDiode, deviations, fit
+from pipeline.panel.single_diode import SingleDiode, at_temperature, deviations, fit, max_power_w
 
 # SAM's own six-parameter solver (NREL-PySAM, through pvlib.ivtools.sdm.fit_cec_sam) on the same sheet.
 SAM = SingleDiode(3.991839, 3.456264e-10, 0.425523, 923.363, 0.936798, 2.684)

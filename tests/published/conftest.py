@@ -10,9 +10,11 @@ import numpy as np
 import pytest
 import yaml
 
-from pipeline import quantity, schemas, schemas_switched, tables
+from pipeline.experiments.reporting.verdicts import samples
 from pipeline.published.artefacts import Lookup
 from pipeline.published.records import Statement
+from pipeline.quantity import Quantity
+from tests import making
 
 CONF = Path(__file__).parents[2] / "conf" / "published"
 POINT = {
@@ -26,25 +28,23 @@ POINT = {
 }
 PRINTED = "p_max_w,v_mp_v,i_mp_a,v_oc_v,i_sc_a\n{},{},3.75,21.7,3.99\n"
 Numbers = Mapping[str, float]
+UNITS = {"_s": "s", "_k": "K", "_c": "degC", "_hz": "Hz", "_ah": "Ah", "_mw2_s": "mW2 s"}
+
+
+def unit(name: str) -> str:
+    """Return the unit that a step would declare for a number of these tests."""
+    return next((UNITS[ending] for ending in sorted(UNITS, key=len, reverse=True) if name.endswith(ending)), "1")
 
 
 def write_charge(folder: Path, summary: Numbers, bulk_end_s: float = 3600.0, final_soc: float = 0.99) -> None:
     """Write a charge whose SOC rises evenly to `final_soc` in ten thousand seconds."""
-    folder.mkdir(parents=True)
-    names = list(summary)
-    columns = {
-        "quantity": names,
-        "value": [summary[name] for name in names],
-        "text": [None] * len(names),
-        "unit": ["1"] * len(names),
-        "description": [""] * len(names),
-    }
-    tables.write(schemas.CHARGE_SUMMARY, columns, folder / "summary.parquet")
+    output = making.output("charge", folder)
+    write_summary(folder, summary)
     time = np.linspace(100.0, 10_000.0, 100)
-    trace: dict[str, Any] = {column.name: np.zeros(100) for column in schemas.CHARGE_TRACE.columns}
+    trace: dict[str, Any] = {name: np.zeros(100) for name in output.columns("trace")}
     trace["Test Time / s"], trace["soc"] = time, final_soc * time / time[-1]
     trace["Step Index / 1"] = np.ones(100, dtype=np.int64)
-    tables.write(schemas.CHARGE_TRACE, trace, folder / "trace.bdf.parquet")
+    output.write("trace", trace)
     phases = {
         "phase": ["bulk", "pulses"],
         "start_s": [0.0, bulk_end_s],
@@ -54,21 +54,30 @@ def write_charge(folder: Path, summary: Numbers, bulk_end_s: float = 3600.0, fin
         "end_soc": [0.5, final_soc],
         "end_temperature_c": [27.0, 28.0],
     }
-    tables.write(schemas.CHARGE_PHASES, phases, folder / "phases.parquet")
+    output.write("phases", phases)
+
+
+def write_summary(folder: Path, summary: Numbers) -> None:
+    """Write the summary of a charge."""
+    columns = {
+        "quantity": list(summary),
+        "value": list(summary.values()),
+        "text": [None] * len(summary),
+        "unit": [unit(name) for name in summary],
+        "description": [""] * len(summary),
+    }
+    making.output("charge", folder).write("summary", columns)
 
 
 def write_points(folder: Path, **changed: float) -> None:
     """Write the panel's points: the standard condition with what was changed, and another."""
-    folder.mkdir(parents=True)
     standard = POINT | changed
     other = POINT | {"irradiance_w_m2": 200.0, "max_power_w": 12.0}
-    columns = {name: [standard[name], other[name]] for name in POINT}
-    tables.write(schemas.PANEL_POINTS, columns, folder / "points.parquet")
+    making.output("panel", folder).write("points", {name: [standard[name], other[name]] for name in POINT})
 
 
 def write_switched(folder: Path, pulse_ringing_w: float) -> None:
     """Write what the steps of pulses come to; under Reflex all of it is a thousandth of an ampere, joule or watt."""
-    folder.mkdir(parents=True)
     own = {"ripple_a", "conduction_efficiency", "overshoot_a", "settling_s", "ringing_j", "ringing_w"}
     columns: dict[str, list[object]] = {
         "comparison": ["same_peak"] * 2,
@@ -77,28 +86,24 @@ def write_switched(folder: Path, pulse_ringing_w: float) -> None:
         "pulses_hz": [90.0] * 2,
     }
     columns |= {name: [pulse_ringing_w, 0.001] for name in own}
-    tables.write(schemas_switched.SWITCHED_MODES, columns, folder / "modes.parquet")
+    making.output("switched", folder).write("modes", columns)
 
 
-def write_reference(path: Path, power_w: float = 65.0, voltage_v: float = 17.4) -> None:
+def write_reference(folder: Path, power_w: float = 65.0, voltage_v: float = 17.4) -> None:
     """Write the printed Table 1."""
-    path.write_text(PRINTED.format(power_w, voltage_v), encoding="utf-8")
+    folder.mkdir(parents=True, exist_ok=True)
+    (folder / "solar_table1.csv").write_text(PRINTED.format(power_w, voltage_v), encoding="utf-8")
 
 
-def write_quantities(folder: Path, numbers: Numbers) -> None:
+def write_quantities(step: str, folder: Path, numbers: Numbers) -> None:
     """Write the named numbers of a step."""
-    folder.mkdir(parents=True)
-    columns = quantity.columns(quantity.Quantity(name, value, "1", "") for name, value in numbers.items())
-    tables.write(schemas.QUANTITIES, columns, folder / "quantities.parquet")
+    making.output(step, folder).numbers([Quantity(name, value, unit(name), "") for name, value in numbers.items()])
 
 
 def write_ensemble(folder: Path, samples: list[Mapping[tuple[str, str, str], float]]) -> None:
     """Write an ensemble from (comparison, mode, quantity) -> value, one mapping per sample."""
-    folder.mkdir(parents=True)
     rows = [(number, *key, value) for number, sample in enumerate(samples) for key, value in sample.items()]
-    names = ("sample", "comparison", "mode", "quantity", "value")
-    columns = {name: [row[place] for row in rows] for place, name in enumerate(names)}
-    tables.write(schemas.ENSEMBLE, columns, folder / "ensemble.parquet")
+    making.output("ensemble", folder).rows("ensemble", rows)
 
 
 @pytest.fixture(scope="session")
@@ -111,16 +116,24 @@ def shipped() -> dict[str, Statement]:
 def lookup(tmp_path: Path) -> Callable[..., Lookup]:
     """Return a maker of lookups: charges by input name -> summary numbers, beside panel and reference."""
 
-    def make(charges: Mapping[str, Numbers], ensemble: list[Any] | None = None, **points: float) -> Lookup:
-        folders = {"panel": tmp_path / "panel", "reference/solar_table1": tmp_path / "solar_table1.csv"}
+    def make(charges: Mapping[str, Numbers], **points: float) -> Lookup:
+        folders = {"panel": tmp_path / "panel"}
         write_points(folders["panel"], **points)
-        write_reference(folders["reference/solar_table1"])
+        write_reference(tmp_path / "printed")
         for name, summary in charges.items():
             folders[name] = tmp_path / name
             write_charge(folders[name], summary)
-        if ensemble is not None:
-            folders["ensemble"] = tmp_path / "ensemble"
-            write_ensemble(folders["ensemble"], ensemble)
-        return Lookup(folders)
+        return Lookup(making.inputs(folders), tmp_path / "printed")
+
+    return make
+
+
+@pytest.fixture
+def ensemble(tmp_path: Path) -> Callable[..., list[Any]]:
+    """Return a maker of ensembles: written as their step writes them, read as verdicts read them."""
+
+    def make(found: list[Any]) -> list[Any]:
+        write_ensemble(tmp_path / "ensemble", found)
+        return samples(making.inputs({"ensemble": tmp_path / "ensemble"}))
 
     return make

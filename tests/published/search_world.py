@@ -8,13 +8,10 @@ from typing import Any
 
 import numpy as np
 
-from pipeline import schemas, tables
-from pipeline.published.names import found_quantities
+from tests import making
 from tests.published.conftest import CONF, write_quantities
 
 SEARCH_INPUTS = {"chaos", "objective", "tuning", "search", "reference/solar_table3"}
-SEARCHES = ("swarm", "sweep", "swarm_published", "published_protocol", "uniform", "arcsine")
-FOUND = found_quantities((10, 20, 100), ("cv_pulse", "cv_reflex"), ("c1", "c2", "w"), SEARCHES)
 PRINTED_SUMS = np.array(
     [[58.4814, 59.0051, 58.9865], [56.1518, 56.0807, 57.5912], [60.53, 58.0469, 56.0805], [56.6622, 58.6927, 59.1672]]
 )
@@ -117,14 +114,13 @@ OTHERWISE_HERE: dict[str, Any] = {
 }
 
 
-def write_search(folders: Mapping[str, Path], world: Mapping[str, Any]) -> None:
+def write_search(folders: Mapping[str, Path], printed: Path, world: Mapping[str, Any]) -> None:
     """Write what statements read of chaos, objective, tuning and search."""
     for step in ("chaos", "objective", "tuning", "search"):
         extra = {"published_best_mw2_s": world["best_mw2_s"]} if step == "tuning" else {}
-        write_quantities(folders[step], world[step] | extra)
-    folders["reference/solar_table3"].mkdir(parents=True)
-    printed = (CONF / "reference" / "solar_table3.csv").read_text(encoding="utf-8")
-    (folders["reference/solar_table3"] / "solar_table3.csv").write_text(printed, encoding="utf-8")
+        write_quantities(step, folders[step], world[step] | extra)
+    table = (CONF / "reference" / "solar_table3.csv").read_text(encoding="utf-8")
+    (printed / "solar_table3.csv").write_text(table, encoding="utf-8")
     write_sums(folders["tuning"], world["sums"])
     _write_levels(folders["tuning"], world["chosen"])
     _write_choice(folders["tuning"], world["rank"], world["found_share"])
@@ -133,7 +129,7 @@ def write_search(folders: Mapping[str, Path], world: Mapping[str, Any]) -> None:
 def write_sums(folder: Path, sums: Any) -> None:
     """Write the sums by level, rows L1 to L4, columns C1, C2, W."""
     columns = {"level": np.arange(1, 5)} | dict(zip(("c1", "c2", "w"), np.asarray(sums).T, strict=True))
-    tables.write(schemas.TUNING_SUMS, columns, folder / "published.sums.parquet")
+    making.output("tuning", folder).write("published_sums", columns)
 
 
 def _write_levels(folder: Path, chosen: Mapping[str, int]) -> None:
@@ -147,7 +143,7 @@ def _write_levels(folder: Path, chosen: Mapping[str, int]) -> None:
         "signal_to_noise_db": [-22.9 if best else -23.2 for _, _, best in rows],
         "chosen": [best for _, _, best in rows],
     }
-    tables.write(schemas.TUNING_LEVELS, columns, folder / "published.levels.parquet")
+    making.output("tuning", folder).write("published_levels", columns)
 
 
 def _write_choice(folder: Path, rank: int, found_share: float) -> None:
@@ -160,7 +156,8 @@ def _write_choice(folder: Path, rank: int, found_share: float) -> None:
         "rank": [rank, 3 - rank],
         "in_array": [True, True],
     }
-    tables.write(schemas.TUNING_FACTORIAL, factorial, folder / "factorial.parquet")
-    agreement: dict[str, Any] = {column.name: [0.5, 0.5] for column in schemas.TUNING_AGREEMENT.columns}
+    output = making.output("tuning", folder)
+    output.write("factorial", factorial)
+    agreement: dict[str, Any] = {name: [0.5, 0.5] for name in output.columns("agreement")}
     agreement |= {"searches_per_run": [1, 5], "experiments": [50, 10], "found_share": [0.0, found_share]}
-    tables.write(schemas.TUNING_AGREEMENT, agreement, folder / "agreement.parquet")
+    output.write("agreement", agreement)

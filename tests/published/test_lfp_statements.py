@@ -7,11 +7,11 @@ from pathlib import Path
 import pytest
 import yaml
 
-from pipeline import quantity, schemas, tables
 from pipeline.published.artefacts import Lookup
 from pipeline.published.evaluate import evaluate
 from pipeline.published.records import Statement, needs
-from tests.published.conftest import CONF, write_charge
+from tests import making
+from tests.published.conftest import CONF, write_charge, write_quantities
 
 # name -> value as published, value otherwise
 STAGING = {
@@ -86,9 +86,7 @@ def world(folder: Path, which: int) -> Lookup:
     folders = {}
     for step, numbers in {"staging": STAGING, "front": FRONT, "functions": FUNCTIONS}.items():
         folders[step] = folder / step
-        folders[step].mkdir(parents=True)
-        rows = [quantity.Quantity(name, pair[which], "1", "") for name, pair in numbers.items()]
-        tables.write(schemas.QUANTITIES, quantity.columns(rows), folders[step] / "quantities.parquet")
+        write_quantities(step, folders[step], {name: pair[which] for name, pair in numbers.items()})
     # SOC rises evenly to the end at ten thousand seconds.
     held = 10_000.0 * (1.0 - SOC_AT_LIMIT[which] / END_SOC)
     summaries = {
@@ -99,10 +97,11 @@ def world(folder: Path, which: int) -> Lookup:
     for mode, summary in summaries.items():
         folders[f"charge/charges/{mode}"] = folder / mode
         write_charge(folder / mode, summary, final_soc=END_SOC)
-    table = folder / "lfp_currents.csv"
-    rows = [f"{n},{n / 10},{(n + 1) / 10},{current}" for n, current in enumerate(CURRENTS[which], start=1)]
-    table.write_text("\n".join(["stage,soc_from,soc_to,current_a", *rows]) + "\n")
-    return Lookup({**folders, "reference/lfp_currents": table})
+    stages = [
+        ("printed", n, n / 10, (n + 1) / 10, current, 200.0, 3.0) for n, current in enumerate(CURRENTS[which], start=1)
+    ]
+    making.output("staging", folders["staging"]).rows("currents", stages)
+    return Lookup(making.inputs(folders), folder)
 
 
 def judged(statements: dict[str, Statement], reader: Lookup) -> dict[str, str]:
@@ -112,7 +111,7 @@ def judged(statements: dict[str, Statement], reader: Lookup) -> dict[str, str]:
 
 def test_each_statement_follows_from_the_artefacts_both_ways(statements, tmp_path):
     published, otherwise = (judged(statements, world(tmp_path / str(which), which)) for which in (0, 1))
-    nothing = judged(statements, Lookup({}))
+    nothing = judged(statements, Lookup(making.inputs({}), tmp_path))
     for name, stated in statements.items():
         if stated.basis == "none":
             assert {published[name], otherwise[name], nothing[name]} == {"not checkable"}, name
@@ -126,11 +125,11 @@ def test_there_are_enough_of_them_and_they_read_what_the_study_makes(statements)
     assert len(statements) >= 20
     charges = {f"charge/charges/{mode}" for mode in ("staged_printed", "cc_cv_5c", "cc_cv_same_peak")}
     read = set().union(*(needs(stated) for stated in statements.values()))
-    assert read == {"staging", "front", "functions", "reference/lfp_currents"} | charges
+    assert read == {"staging", "front", "functions"} | charges
 
 
 def test_the_printed_currents_are_those_of_the_mode():
     mode = yaml.safe_load((CONF.parent / "modes" / "staged_printed.yaml").read_text(encoding="utf-8"))
-    table = (CONF / "reference" / "lfp_currents.csv").read_text(encoding="utf-8").splitlines()[1:]
-    assert mode["phases"]["stages"]["staged"]["currents_a"] == [float(row.split(",")[3]) for row in table]
-    assert mode["phases"]["stages"]["staged"]["soc_edges"] == [float(row.split(",")[2]) for row in table]
+    staged = mode["phases"]["stages"]["staged"]
+    assert tuple(staged["currents_a"]) == CURRENTS[0]
+    assert staged["soc_edges"] == [n / 10 for n in range(2, 10)]

@@ -12,8 +12,7 @@ from pydantic import TypeAdapter
 from pipeline.errors import UserError
 from pipeline.published.artefacts import Lookup, Unanswerable
 from pipeline.published.operands import Operand, Value, values
-from pipeline.published.outcome import Outcome, number
-from pipeline.published.predicates import apply
+from pipeline.published.predicates import Outcome, apply, number
 from pipeline.published.records import Check
 
 CC, REFLEX, PULSE = "charge/p/cc_cv", "charge/p/cv_reflex", "charge/p/cv_pulse"
@@ -171,6 +170,34 @@ def test_what_is_no_predicate_is_refused(check: dict[str, Any], message: str) ->
         CHECK.validate_python(check)
 
 
-def test_an_unknown_quantity_names_the_best_match(reader: Lookup) -> None:
-    with pytest.raises(UserError, match="rise_k"):
+def test_a_named_number_that_this_run_left_out_concludes_nothing(reader: Lookup) -> None:
+    """Whether any run could have it is checked when planned, against the vocabulary of the step."""
+    with pytest.raises(Unanswerable, match=r"rize_k of charge/p/cc_cv\.summary is not part of this run"):
         outcome({"less": {"value": f"rize_k of {CC}", "than": 1}}, reader)
+
+
+def test_an_unknown_column_names_the_best_match(reader: Lookup) -> None:
+    with pytest.raises(UserError, match="max_power_w"):
+        outcome({"less": {"value": "max_powr_w of panel where irradiance_w_m2=200", "than": 1}}, reader)
+
+
+def test_an_empty_number_that_is_no_time_is_no_answer(reader: Lookup) -> None:
+    with pytest.raises(Unanswerable, match="is empty"):
+        number(OPERAND.validate_python(f"nothing of {CC}"), reader)
+    assert number(OPERAND.validate_python(time(REFLEX)), reader) == math.inf
+
+
+@pytest.mark.parametrize(
+    ("operand", "unit"),
+    [
+        (time(CC), "s"),
+        (f"nothing of {CC}", "1"),
+        (f"rize_k of {CC}", None),
+        (f"soc of {CC}.trace", "1"),
+        ("max_power_w of panel where irradiance_w_m2=200", "W"),
+        ("rise_k of charge/p/left_out", None),
+        ("p_max_w of reference/solar_table1", None),
+    ],
+)
+def test_units_are_those_that_the_tables_declare(operand: str, unit: str | None, reader: Lookup) -> None:
+    assert reader.unit(OPERAND.validate_python(operand)) == unit

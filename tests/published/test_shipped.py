@@ -9,17 +9,20 @@ import numpy as np
 import pytest
 import yaml
 
-from pipeline import schemas, tables
+from pipeline.charge.vocabulary import SUMMARY
+from pipeline.config.compose import compose_tree
+from pipeline.config.sources import Source
+from pipeline.config.study import study_from
 from pipeline.errors import UserError
+from pipeline.kernel import tables
 from pipeline.published.artefacts import Lookup
-from pipeline.published.checks import check
-from pipeline.published.evaluate import evaluate
-from pipeline.published.names import summary_quantities
+from pipeline.published.evaluate import VERDICTS, evaluate
 from pipeline.published.records import Statement, needs
+from pipeline.published.vocabulary import check_statements
+from tests import making
 from tests.published.conftest import CONF, write_charge, write_points, write_reference, write_switched
 from tests.published.search_world import (
     AS_PUBLISHED_HERE,
-    FOUND,
     OTHERWISE_HERE,
     SEARCH_INPUTS,
     write_search,
@@ -30,7 +33,6 @@ STATEMENTS = list(yaml.safe_load((CONF / "solar_reflex.yaml").read_text(encoding
 MODES = ("cc_cv", "cv_pulse", "cv_reflex")
 CHARGES = {f"charge/{comparison}/{mode}" for comparison in ("same_peak", "same_mean") for mode in MODES}
 INPUTS = {"panel", "supply", "switched", "reference/solar_table1"} | CHARGES | SEARCH_INPUTS
-MARKS = (0.8, 0.95)
 # What cannot hold beside Table 1, and beside a Table 2 of the same ISE as Figure 10.
 EXCLUDED = {"charging_at_3c", "table_2_sums_iterations"}
 # mode -> time to 95 %, peak rise, rise at 95 %, charge efficiency, energy efficiency
@@ -49,7 +51,7 @@ OTHERWISE = {
 def world(
     folder: Path, modes: dict[str, Any], final_soc: float, bulk_end_s: float, best_mw2_s: float = 0.0, **points: float
 ) -> Lookup:
-    folders = {name: folder / name for name in INPUTS}
+    folders = {name: folder / name for name in INPUTS if not name.startswith(("reference/", "supply"))}
     for name in CHARGES:
         time, peak, rise, charge, energy = modes[name.split("/")[2]]
         summary = {
@@ -63,12 +65,10 @@ def world(
         write_charge(folders[name], summary, bulk_end_s, final_soc)
     write_points(folders["panel"], **points)
     write_switched(folders["switched"], 0.004 if final_soc > 0.95 else 0.0001)
-    folders["reference/solar_table1"].mkdir(parents=True)
-    printed = {} if final_soc > 0.95 else {"power_w": 70.0}
-    write_reference(folders["reference/solar_table1"] / "solar_table1.csv", **printed)
+    write_reference(folder, **({} if final_soc > 0.95 else {"power_w": 70.0}))
     searched = AS_PUBLISHED_HERE if final_soc > 0.95 else OTHERWISE_HERE
-    write_search(folders, searched | ({"best_mw2_s": best_mw2_s} if best_mw2_s else {}))
-    return Lookup(folders)
+    write_search(folders, folder, searched | ({"best_mw2_s": best_mw2_s} if best_mw2_s else {}))
+    return Lookup(making.inputs(folders), folder)
 
 
 @pytest.fixture(scope="module")
@@ -79,12 +79,12 @@ def verdicts(tmp_path_factory: pytest.TempPathFactory, shipped: dict[str, Statem
         "as published": world(folder / "a", AS_PUBLISHED, 0.99, 3600.0),
         "otherwise": world(folder / "b", OTHERWISE, 0.80, 1800.0, short_circuit_current_a=4.1),
         "another reading": world(folder / "c", AS_PUBLISHED, 0.99, 3600.0, best_mw2_s=12.9, max_power_w=300.0),
-        "empty": Lookup({}),
+        "empty": Lookup(making.inputs({}), folder),
     }
     found = {}
     for name, artefacts in worlds.items():
         columns = evaluate(shipped, artefacts)
-        tables.to_arrow(schemas.VERDICTS, columns)
+        tables.to_arrow(VERDICTS, columns)
         found[name] = dict(zip(columns["statement"], columns["verdict"], strict=True))
     return found
 
@@ -100,8 +100,14 @@ def test_no_verdict_is_constant(statement: str, verdicts: dict[str, dict[str, st
     assert verdicts["empty"][statement] == "not checkable"
 
 
-def test_every_name_exists(shipped: dict[str, Statement]) -> None:
-    check(shipped, INPUTS, MARKS, calibrated_to=["table_1"], found=FOUND)
+@pytest.fixture(scope="module")
+def study() -> Any:
+    return study_from(compose_tree(["study=solar_reflex"]))
+
+
+def test_every_name_exists(shipped: dict[str, Statement], study: Any) -> None:
+    """Composing the study checks the names."""
+    assert study.published == shipped
     assert set().union(*(needs(stated) for stated in shipped.values())) == INPUTS - {"supply"}
 
 
@@ -113,9 +119,8 @@ def test_the_printed_table_3_holds_the_sums_of_the_printed_table_2(
     sums = [
         [runs["ise"][runs[name] == np.unique(runs[name])[row]].sum() for name in ("c1", "c2", "w")] for row in range(4)
     ]
-    (tmp_path / "tuning").mkdir()
     write_sums(tmp_path / "tuning", sums)
-    reader = Lookup({"tuning": tmp_path / "tuning", "reference/solar_table3": CONF / "reference"})
+    reader = Lookup(making.inputs({"tuning": tmp_path / "tuning"}))
     columns = evaluate({"table_3": shipped["table_3"]}, reader)
     assert columns["verdict"] == ["holds"]
     assert columns["margin"][0] == pytest.approx(5e-5, abs=1e-9)
@@ -123,7 +128,7 @@ def test_the_printed_table_3_holds_the_sums_of_the_printed_table_2(
 
 def test_the_printed_table_is_the_papers(shipped: dict[str, Statement]) -> None:
     """Table 1 holds for its own numbers; the shipped file is read, not a copy in the test."""
-    reader = Lookup({"reference/solar_table1": CONF / "reference"})
+    reader = Lookup(making.inputs({}))
     columns = evaluate({"table_1_power": shipped["table_1_power"]}, reader)
     assert (columns["verdict"], columns["computed_value"]) == (["holds"], [65.25])
 
@@ -131,29 +136,31 @@ def test_the_printed_table_is_the_papers(shipped: dict[str, Statement]) -> None:
 @pytest.mark.parametrize(
     ("operand", "message"),
     [
-        ("soc of charge/same_peek/cc_cv.trace", "unknown comparison 'same_peek'.*same_peak"),
-        ("soc of charge/same_peak/cc_vc.trace", "unknown mode 'cc_vc'.*cc_cv"),
+        ("soc of charge/same_peek/cc_cv.trace", "unknown 'same_peek' in charge/same_peek/cc_cv.*same_peak"),
+        ("soc of charge/same_peak/cc_vc.trace", "unknown 'cc_vc' in charge/same_peak/cc_vc.*cc_cv"),
         ("soc of charges/same_peak/cc_cv.trace", "unknown input 'charges/same_peak/cc_cv'"),
         ("soc of charge/same_peak/cc_cv.traces", "no table 'traces'.*trace"),
         ("voc of panel", "nothing called 'voc'"),
-        ("time_to_soc_0.9_s of charge/same_peak/cc_cv", "nothing called 'time_to_soc_0.9_s'.*time_to_soc_0.95_s"),
+        ("time_to_soc_0.93_s of charge/same_peak/cc_cv", "nothing called 'time_to_soc_0.93_s'.*time_to_soc_0.9"),
+        ("ise_at_clasic of objective.quantities", "nothing called 'ise_at_clasic'.*ise_at_classic"),
         ("end_s of charge/same_peak/cc_cv.phases where fase=bulk", "nothing called 'fase'.*phase"),
-        ("p_max_w of reference/solar_table4", "unknown input 'reference/solar_table4'.*solar_table1"),
+        ("p_max_w of reference/solar_table4", "unknown 'solar_table4' in reference/solar_table4.*solar_table1"),
         ("p_max_w of reference/solar_table1.rows", "no table 'rows'"),
     ],
 )
-def test_a_name_that_does_not_exist_is_refused_with_the_best_matches(operand: str, message: str) -> None:
+def test_a_name_that_does_not_exist_is_refused_with_the_best_matches(operand: str, message: str, study: Any) -> None:
     stated = Statement.model_validate(
         {"where": "x", "says": "y", "basis": "model", "check": {"less": {"value": operand, "than": 1}}}
     )
     with pytest.raises(UserError, match=rf"published\.wrong: .*{message}"):
-        check({"wrong": stated}, INPUTS, MARKS)
+        check_statements(study.model_copy(update={"published": {"wrong": stated}}))
 
 
-def test_a_calibration_to_an_unknown_statement_is_refused(shipped: dict[str, Statement]) -> None:
+def test_a_calibration_to_an_unknown_statement_is_refused(study: Any) -> None:
+    fitted = {"panel.max_power_w": Source(kind="calibrated", ref="x", to="solar_reflex.table_9")}
     with pytest.raises(UserError, match=r"'table_9'.*table_1"):
-        check(shipped, INPUTS, MARKS, calibrated_to=["table_9"])
+        check_statements(study.model_copy(update={"sources": fitted}))
 
 
 def test_marks_become_quantities() -> None:
-    assert {"time_to_soc_0.8_s", "temperature_rise_at_soc_0.95_k"} <= summary_quantities(MARKS)
+    assert {"time_to_soc_0.8_s", "temperature_rise_at_soc_0.95_k"} <= SUMMARY.names({"mark": (0.8, 0.95)})

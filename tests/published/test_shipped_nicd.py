@@ -9,13 +9,14 @@ import numpy as np
 import pytest
 import yaml
 
-from pipeline import schemas, tables
 from pipeline.config.compose import compose_tree
-from pipeline.config.study import Study, study_from
+from pipeline.config.study import study_from
+from pipeline.kernel import tables
 from pipeline.published.artefacts import Lookup
-from pipeline.published.evaluate import evaluate
+from pipeline.published.evaluate import VERDICTS, evaluate
 from pipeline.published.records import Statement, needs, read_values
-from tests.published.conftest import CONF, write_quantities
+from tests import making
+from tests.published.conftest import CONF, write_quantities, write_summary
 
 SHIPPED = {
     name: Statement.model_validate(entry)
@@ -111,37 +112,25 @@ def world(folder: Path, place: int, printed: bool = False) -> Lookup:
     folders: dict[str, Path] = {}
     for name, numbers in NUMBERS.items():
         folders[name] = folder / name
-        write_quantities(folders[name], {key: pair[place] for key, pair in numbers.items()})
+        write_quantities(name, folders[name], {key: pair[place] for key, pair in numbers.items()})
     for name, numbers in CHARGES.items():
         folders[name] = folder / name
         _write_charge(folders[name], {key: pair[place] for key, pair in numbers.items()})
     for name in REFERENCES:
-        path = CONF / "reference" / f"{name}.csv"
-        if not printed:
-            rows = REFERENCE_ROWS[name][place]
-            path = folder / f"{name}.csv"
-            lines = [",".join(rows[0]), *(",".join(str(value) for value in row.values()) for row in rows)]
-            path.write_text("\n".join(lines) + "\n", encoding="utf-8")
-        folders[f"reference/{name}"] = path
-    return Lookup(folders)
+        rows = REFERENCE_ROWS[name][place]
+        lines = [",".join(rows[0]), *(",".join(str(value) for value in row.values()) for row in rows)]
+        (folder / f"{name}.csv").write_text("\n".join(lines) + "\n", encoding="utf-8")
+    return Lookup(making.inputs(folders), CONF / "reference" if printed else folder)
 
 
 def _write_charge(folder: Path, numbers: dict[str, float]) -> None:
     """Write a charge whose current falls from 5 A to nothing in ten hundred seconds, from 99 % on its start."""
-    folder.mkdir(parents=True)
-    names = list(numbers)
-    summary = {
-        "quantity": names,
-        "value": [numbers[name] for name in names],
-        "text": [None] * len(names),
-        "unit": ["1"] * len(names),
-        "description": [""] * len(names),
-    }
-    tables.write(schemas.CHARGE_SUMMARY, summary, folder / "summary.parquet")
+    write_summary(folder, numbers)
+    output = making.output("charge", folder)
     time = np.linspace(10.0, 1000.0, 100)
-    trace: dict[str, Any] = {column.name: np.zeros(100) for column in schemas.CHARGE_TRACE.columns}
+    trace: dict[str, Any] = {name: np.zeros(100) for name in output.columns("trace")}
     trace |= {"Test Time / s": time, "Current / A": 5.0 * time / 1000.0, "Step Index / 1": np.ones(100, dtype=np.int64)}
-    tables.write(schemas.CHARGE_TRACE, trace, folder / "trace.bdf.parquet")
+    output.write("trace", trace)
 
 
 @pytest.fixture(scope="module")
@@ -152,18 +141,18 @@ def verdicts(tmp_path_factory: pytest.TempPathFactory) -> dict[str, dict[str, st
         "as said": world(folder / "a", 0),
         "as said and printed": world(folder / "b", 0, printed=True),
         "otherwise": world(folder / "c", 1),
-        "empty": Lookup({}),
+        "empty": Lookup(making.inputs({}), folder),
     }
     found = {}
     for name, artefacts in worlds.items():
         columns = evaluate(SHIPPED, artefacts)
-        tables.to_arrow(schemas.VERDICTS, columns)
+        tables.to_arrow(VERDICTS, columns)
         found[name] = dict(zip(columns["statement"], columns["verdict"], strict=True))
     return found
 
 
 @pytest.fixture(scope="module")
-def study() -> Study:
+def study() -> Any:
     return study_from(compose_tree(["study=nicd_grnn"]))
 
 
@@ -192,12 +181,12 @@ def test_no_verdict_is_constant(statement: str, verdicts: dict[str, dict[str, st
 )
 def test_what_the_paper_prints_of_itself(statement: str, verdict: str, computed: float, tmp_path: Path) -> None:
     """The shipped tables are read, not copies in the test."""
-    reader = Lookup({f"reference/{name}": CONF / "reference" for name in REFERENCES})
+    reader = Lookup(making.inputs({}))
     columns = evaluate({statement: SHIPPED[statement]}, reader)
     assert (columns["verdict"], columns["computed_value"]) == ([verdict], [pytest.approx(computed, rel=1e-12)])
 
 
-def test_every_name_exists_and_every_world_has_all_of_them(study: Study) -> None:
+def test_every_name_exists_and_every_world_has_all_of_them(study: Any) -> None:
     """Composing the study checks the names; a world that lacks one would prove nothing."""
     assert list(study.published) == list(SHIPPED)
     known = {(name, quantity) for name, numbers in {**NUMBERS, **CHARGES}.items() for quantity in numbers}

@@ -11,6 +11,7 @@ from pipeline.errors import UserError
 from pipeline.published.artefacts import Lookup, Unanswerable
 from pipeline.published.predicates import apply
 from pipeline.published.records import Check
+from tests import making
 
 CHECK: TypeAdapter[Check] = TypeAdapter(Check)
 RUNS = "run,c1,ise\n1,0.5,15.5\n2,1,13.25\n3,0.5,14.0\n4,1,14.5\n"
@@ -28,8 +29,11 @@ def compare(tmp_path: Path, printed: str, computed: str, column: str = "c1"):
             "tolerance": 0.25,
         }
     }
-    folders = {"reference/printed": tmp_path, "reference/computed": tmp_path / "computed.csv"}
-    return apply(CHECK.validate_python(check), Lookup(folders), "1")
+    return apply(CHECK.validate_python(check), printed_in(tmp_path), "1")
+
+
+def printed_in(folder: Path) -> Lookup:
+    return Lookup(making.inputs({}), folder)
 
 
 def test_rows_are_matched_by_key_not_by_place(tmp_path: Path) -> None:
@@ -58,13 +62,13 @@ def test_an_unknown_column_is_named(tmp_path: Path) -> None:
 def test_a_sum_over_rows_of_a_printed_table(tmp_path: Path, target: float, holds: bool) -> None:
     (tmp_path / "runs.csv").write_text(RUNS, encoding="utf-8")
     check = {"close": {"value": {"total": "ise of reference/runs where c1=0.5"}, "to": target, "tolerance": 0.01}}
-    assert apply(CHECK.validate_python(check), Lookup({"reference/runs": tmp_path}), "1").holds is holds
+    assert apply(CHECK.validate_python(check), printed_in(tmp_path), "1").holds is holds
 
 
 def test_the_best_row_of_a_printed_table(tmp_path: Path) -> None:
     (tmp_path / "runs.csv").write_text(RUNS, encoding="utf-8")
     rows = [f"ise of reference/runs where run={number}" for number in range(1, 5)]
-    reader = Lookup({"reference/runs": tmp_path})
+    reader = printed_in(tmp_path)
     check = {"smallest": {"value": rows[1], "among": [rows[0], rows[2], rows[3]]}}
     found = apply(CHECK.validate_python(check), reader, "1")
     assert (found.holds, found.margin) == (True, 0.75)

@@ -8,9 +8,9 @@ from typing import Any
 
 import pytest
 
-from pipeline import schemas, tables
+from pipeline.kernel import tables
 from pipeline.published.artefacts import Lookup
-from pipeline.published.evaluate import evaluate
+from pipeline.published.evaluate import VERDICTS, evaluate
 from pipeline.published.records import Statement
 
 CC, REFLEX = "charge/p/cc_cv", "charge/p/cv_reflex"
@@ -21,9 +21,9 @@ def statement(**fields: Any) -> Statement:
     return Statement.model_validate({"where": "page 1", "says": "cooler", "basis": "model", "check": COOLER} | fields)
 
 
-def row(stated: Statement, artefacts: Lookup, calibrated_to: tuple[str, ...] = ()) -> dict[str, Any]:
-    columns = evaluate({"cooler": stated}, artefacts, calibrated_to)
-    tables.to_arrow(schemas.VERDICTS, columns)
+def row(stated: Statement, artefacts: Lookup, calibrated_to: tuple[str, ...] = (), samples: Any = ()) -> dict[str, Any]:
+    columns = evaluate({"cooler": stated}, artefacts, calibrated_to, samples)
+    tables.to_arrow(VERDICTS, columns)
     return {name: cells[0] for name, cells in columns.items()}
 
 
@@ -102,9 +102,11 @@ def sample(reflex_k: float, cc_k: float = 5.0) -> dict[tuple[str, str, str], flo
     return {("p", "cc_cv", "rise_k"): cc_k, ("p", "cv_reflex", "rise_k"): reflex_k}
 
 
-def test_robust_share_counts_the_samples_in_which_the_claim_holds(lookup: Callable[..., Lookup]) -> None:
+def test_robust_share_counts_the_samples_in_which_the_claim_holds(
+    lookup: Callable[..., Lookup], ensemble: Callable[..., list[Any]]
+) -> None:
     samples = [sample(4.0), sample(6.0), sample(4.9), sample(3.0, 2.0), sample(math.nan)]
-    found = row(statement(), lookup(summaries(6.0), ensemble=samples))
+    found = row(statement(), lookup(summaries(6.0)), samples=ensemble(samples))
     assert (found["verdict"], found["robust_share"]) == ("contradicted", 0.4)
     assert "2 of 5 samples" in found["explanation"]
     assert "1 without an answer" in found["explanation"]
@@ -121,15 +123,17 @@ def test_robust_share_counts_the_samples_in_which_the_claim_holds(lookup: Callab
     ids=["paper data", "no charge", "another table", "a quantity the ensemble lacks"],
 )
 def test_no_robust_share_where_the_ensemble_does_not_answer(
-    lookup: Callable[..., Lookup], fields: dict[str, Any]
+    lookup: Callable[..., Lookup], ensemble: Callable[..., list[Any]], fields: dict[str, Any]
 ) -> None:
     charges = {CC: {"rise_k": 5.0}, REFLEX: {"rise_k": 4.0, "other_k": 1.0}}
-    found = row(statement(**fields), lookup(charges, ensemble=[sample(4.0)]))
+    found = row(statement(**fields), lookup(charges), samples=ensemble([sample(4.0)]))
     assert found["robust_share"] is None
 
 
-def test_what_does_not_vary_keeps_its_value_in_every_sample(lookup: Callable[..., Lookup]) -> None:
+def test_what_does_not_vary_keeps_its_value_in_every_sample(
+    lookup: Callable[..., Lookup], ensemble: Callable[..., list[Any]]
+) -> None:
     value = {"product": [f"rise_k of {REFLEX}", "max_power_w of panel where irradiance_w_m2=200"]}
     samples = [sample(1.0), sample(2.0), sample(3.0), sample(4.0)]
     stated = statement(check={"less": {"value": value, "than": 30}})
-    assert row(stated, lookup(summaries(1.0), ensemble=samples))["robust_share"] == 0.5
+    assert row(stated, lookup(summaries(1.0)), samples=ensemble(samples))["robust_share"] == 0.5

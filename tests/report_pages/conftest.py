@@ -1,57 +1,13 @@
-"""A run that never was: two modes in two comparisons, one of which did not get to its mark."""
+"""The content of a page that no experiment made."""
 
 from __future__ import annotations
 
-from pathlib import Path
-
 import pytest
 
-from pipeline import schemas, tables
-from pipeline.report.data import ModeLabel, ReportData
 from pipeline.report.pages import PageContent, PageFigure, Paper
 from pipeline.report.tables import Parameter, ReportTable
 
 SVG = '<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 9 4"><title>a &amp; b</title></svg>'
-
-
-def write_charge(folder: Path, time_s: float | None) -> None:
-    folder.mkdir(parents=True)
-    summary = {
-        "quantity": ["time_to_soc_0.95_s", "end_reason"],
-        "value": [time_s, None],
-        "text": [None, "stop: elapsed 43200 s"],
-        "unit": ["s", ""],
-        "description": ["", ""],
-    }
-    tables.write(schemas.CHARGE_SUMMARY, summary, folder / "summary.parquet")
-    energy = {
-        "path": ["electrical input", "series resistance"],
-        "role": ["input", "loss"],
-        "energy_j": [36000.0, 1800.0],
-        "description": ["", ""],
-    }
-    tables.write(schemas.CHARGE_ENERGY, energy, folder / "energy.parquet")
-
-
-@pytest.fixture
-def data(tmp_path: Path) -> ReportData:
-    (tmp_path / "panel").mkdir()
-    values = {
-        "irradiance_w_m2": [200.0, 1000.0],
-        "cell_temperature_c": [25.0, 25.0],
-        "short_circuit_current_a": [0.8, 3.99],
-        "open_circuit_voltage_v": [20.0, 21.7],
-        "max_power_current_a": [0.75, 3.75],
-        "max_power_voltage_v": [17.0, 17.4],
-        "max_power_w": [12.75, 65.25],
-    }
-    tables.write(schemas.PANEL_POINTS, values, tmp_path / "panel" / "points.parquet")
-    inputs = {"panel": tmp_path / "panel"}
-    for name, time_s in {"peak/cc": 9000.0, "peak/reflex": None, "mean/cc": 9000.0}.items():
-        inputs[f"charge/{name}"] = tmp_path / name
-        write_charge(tmp_path / name, time_s)
-    labels = {"cc": ModeLabel("CC-CV"), "reflex": ModeLabel("CV-Reflex")}
-    return ReportData(inputs, labels, {"peak": "Same peak current", "mean": "Same mean current"})
 
 
 def verdict_columns(*verdicts: str) -> dict[str, list]:

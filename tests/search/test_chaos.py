@@ -7,7 +7,15 @@ import pytest
 from scipy.stats import arcsine as arcsine_law
 from scipy.stats import kstest
 
-from pipeline.search.chaos import ESCAPE, arcsine, arcsine_cumulative, arcsine_entropy, guarded, logistic, orbit
+from pipeline.search.chaos import (
+    ESCAPE,
+    arcsine,
+    arcsine_cumulative,
+    arcsine_entropy,
+    guarded,
+    logistic,
+    orbit,
+)
 from pipeline.search.disorder import disorder
 
 ENTROPY = {

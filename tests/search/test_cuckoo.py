@@ -9,7 +9,7 @@ import pytest
 from pydantic import ValidationError
 from scipy.stats import chisquare, ks_2samp
 
-from pipeline.search import levy, moves, nests
+from pipeline.search import moves, nests
 from pipeline.search.algorithms import cuckoo
 from pipeline.search.benchmark_functions import BENCHMARKS, problem
 from pipeline.search.box import Box
@@ -36,7 +36,7 @@ def plain_cuckoo_search(objective, box, chosen, rng):
     nest = box.low + rng.random((chosen.nests, len(box.low))) * (box.high - box.low)
     value = objective(nest)
     course = [value.min()]
-    drawn = levy.draws(chosen.nests, len(box.low), chosen.levy_exponent, [rng])
+    drawn = moves.draws(chosen.nests, len(box.low), chosen.levy_exponent, [rng])
     blocks = (zip(*(part[0] for part in block), strict=True) for block in drawn)
     numbers = itertools.chain.from_iterable(blocks)
     for _, (step, (one, other), length, chance) in zip(range(chosen.generations), numbers, strict=False):
@@ -173,8 +173,8 @@ def test_the_box_is_never_left_and_every_evaluation_counts(changes):
 
 def test_the_levy_numbers_have_the_tail_of_their_law():
     # Mantegna's u / |v|^(1/1.5) falls off as the power 1.5; the normal factor changes the scale alone.
-    assert levy.mantegna_deviation(1.5) == pytest.approx(0.6966, abs=5e-5)
-    drawn = levy.draws(50, 50, 1.5, generators(1, 0, 10))
+    assert moves.mantegna_deviation(1.5) == pytest.approx(0.6966, abs=5e-5)
+    drawn = moves.draws(50, 50, 1.5, generators(1, 0, 10))
     size = np.sort(np.abs(np.concatenate([next(drawn).levy.ravel() for _ in range(2)])))
     upper = size[-len(size) // 1000 :]
     assert 1.0 / np.mean(np.log(upper / upper[0])) == pytest.approx(1.5, abs=0.1), "Hill's estimate of the exponent"
@@ -184,24 +184,24 @@ def test_the_levy_numbers_have_the_tail_of_their_law():
 def test_the_levy_numbers_are_those_of_three_normal_numbers(exponent):
     rng = np.random.default_rng(3)
     u, v, normal = rng.standard_normal((3, 200_000))
-    direct = levy.mantegna_deviation(exponent) * u / np.abs(v) ** (1 / exponent) * normal
-    found = levy.levy_numbers(rng.random((4, 200_000)), exponent)
+    direct = moves.mantegna_deviation(exponent) * u / np.abs(v) ** (1 / exponent) * normal
+    found = moves.levy_numbers(rng.random((4, 200_000)), exponent)
     assert ks_2samp(found, direct).pvalue > 0.01
-    assert np.all(np.isfinite(levy.levy_numbers(np.full((4, 1, 1), 0.0), exponent)))
+    assert np.all(np.isfinite(moves.levy_numbers(np.full((4, 1, 1), 0.0), exponent)))
     middle = np.array([0.0, 0.0, 0.5, 0.5]).reshape(4, 1, 1)
-    assert np.all(np.isfinite(levy.levy_numbers(middle, exponent))), "nothing over nothing"
+    assert np.all(np.isfinite(moves.levy_numbers(middle, exponent))), "nothing over nothing"
 
 
 def test_every_order_of_the_partners_is_as_likely():
-    orders = levy.permutations(np.random.default_rng(5).random((60_000, 4)))
+    orders = moves.permutations(np.random.default_rng(5).random((60_000, 4)))
     counts = np.unique(orders, axis=0, return_counts=True)[1]
     assert len(counts) == 24
     assert chisquare(counts).pvalue > 0.01
 
 
 def test_partners_are_permutations_and_numbers_uniform():
-    drawn = next(levy.draws(9, 2, 1.5, generators(1, 0, 3)))
-    expected = np.broadcast_to(np.arange(9), (3, levy.BLOCK, 2, 9))
+    drawn = next(moves.draws(9, 2, 1.5, generators(1, 0, 3)))
+    expected = np.broadcast_to(np.arange(9), (3, moves.BLOCK, 2, 9))
     np.testing.assert_array_equal(np.sort(drawn.partners, axis=-1), expected)
     assert 0.0 <= drawn.length.min() <= drawn.length.max() < 1.0
     assert 0.45 < drawn.chance.mean() < 0.55

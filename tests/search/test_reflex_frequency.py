@@ -2,11 +2,8 @@
 
 from __future__ import annotations
 
-from pathlib import Path
-
 import numpy as np
 import pytest
-import yaml
 
 from pipeline.objective.loss import objective, switching_energy_j
 from pipeline.objective.optimum import optimal_frequency_hz
@@ -14,21 +11,15 @@ from pipeline.objective.records import Pairs, ReflexFrequency, Waveform
 from pipeline.objective.ripple import steps, switched_currents_a
 from pipeline.search.comparison import compare, final_distance, iterations_within
 from pipeline.search.registry import replicated, settings_from
+from tests.cards import card
 
-CONF = Path(__file__).parents[2] / "conf"
 WAVEFORM = Waveform(charge_a=2.1, charge_share=0.90, discharge_a=0.5, discharge_share=0.05)
 PAIRS = Pairs((0.015, 0.030), (0.006, 0.6))
 
 
-def read(path):
-    values = yaml.safe_load((CONF / path).read_text())
-    values.pop("sources")
-    return values
-
-
 @pytest.fixture(scope="module")
 def problem():
-    settings = ReflexFrequency(**read("objective/reflex_frequency.yaml"))
+    settings = ReflexFrequency(**card("objective"))
     period, energy = steps(WAVEFORM), switching_energy_j(settings.transistor, switched_currents_a(WAVEFORM))
     best = float(optimal_frequency_hz(period, PAIRS, energy))
     return objective(period, PAIRS, energy, settings.window_s), best
@@ -36,7 +27,7 @@ def problem():
 
 @pytest.fixture(scope="module")
 def histories(problem):
-    values = {**read("search/cpso.yaml"), "c1": 1.0, "c2": 1.0, "w": 0.75, "replicates": 2000}
+    values = {**card("search"), "c1": 1.0, "c2": 1.0, "w": 0.75, "replicates": 2000}
     return {
         rand: replicated(problem[0], settings_from({**values, "rand": rand}), 20150401)
         for rand in ("logistic", "uniform", "arcsine")
@@ -45,7 +36,7 @@ def histories(problem):
 
 def test_sweep_finds_the_optimum(problem):
     evaluate, best = problem
-    found = replicated(evaluate, settings_from(read("search/sweep.yaml")), 1)
+    found = replicated(evaluate, settings_from(card("oracle")), 1)
     assert found.best_position()[0, 0] == pytest.approx(best, abs=1e-3)
 
 

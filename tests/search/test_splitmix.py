@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from scipy.stats import kstest
 
-from pipeline.search.levy import fill, uniform
+from pipeline.search.moves import fill, uniform
 
 _MASK = 2**64 - 1
 

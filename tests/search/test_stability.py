@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
-from pipeline.search.stability import is_ringing, is_stable, poles, steady_state_error, step_poles
+from pipeline.experiments.functions.functions import is_ringing, is_stable, poles, steady_state_error, step_poles
 
 CASES = list(itertools.product([1.0, 0.6], [0.05, 0.5, 2.0], [0.0, 0.01, 0.2, 1.5]))
 

@@ -5,10 +5,10 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-import yaml
 
 from pipeline.taguchi import arrays
 from pipeline.taguchi.records import Design
+from tests.cards import card
 
 CONF = Path(__file__).parents[2] / "conf"
 
@@ -21,9 +21,7 @@ def table(name):
 
 @pytest.fixture(scope="session")
 def design():
-    values = yaml.safe_load((CONF / "design" / "taguchi_l16.yaml").read_text())
-    values.pop("sources")
-    return Design(**values)
+    return Design(**card("design"))
 
 
 @pytest.fixture(scope="session")

@@ -3,7 +3,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from pipeline.taguchi.agreement import agreement
+from pipeline.taguchi.analysis import agreement
 from pipeline.taguchi.arrays import full_factorial
 
 COUNTS = (4, 4, 4)

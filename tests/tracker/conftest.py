@@ -11,8 +11,6 @@ from pipeline.panel.records import Panel
 from pipeline.panel.single_diode import fit
 from pipeline.tracker.records import AnyTracker
 from pipeline.tracker.source import Source
-from pipeline.tracker.tracking_records import Tracking
-from tests.weather.samples import load
 
 CONF = Path(__file__).parents[2] / "conf"
 NAMES = sorted(path.stem for path in (CONF / "tracker").glob("*.yaml"))
@@ -22,7 +20,7 @@ HONEST = [name for name in NAMES if name != "constant_voltage"]
 
 def settings(path: str) -> dict:
     found = yaml.safe_load((CONF / path).read_text())
-    found.pop("sources")
+    found.pop("sources", None)
     return found
 
 
@@ -34,10 +32,5 @@ def tracker(name: str, **changes: float) -> AnyTracker:
 @pytest.fixture(scope="session")
 def source() -> Source:
     panel = Panel(**settings("panel/kc65t.yaml"))
-    boost = SwitchedBoost(**settings("converter_parts/usual.yaml")["boost"])
+    boost = SwitchedBoost(**settings("converter_parts/usual.yaml")["switched"]["boost"])
     return Source(panel, fit(panel), boost, 24.0)
-
-
-@pytest.fixture(scope="session")
-def tracking() -> Tracking:
-    return Tracking(**load("tracking", "standard"))

@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from pipeline.weather.cells import cell_temperature_c
 from pipeline.weather.records import FaimanCells, NoctCells, SapmCells
+from pipeline.weather.transposition import cell_temperature_c
 
 LIGHT, AIR, WIND = np.array([0.0, 200.0, 1000.0]), np.array([-5.0, 10.0, 30.0]), np.array([0.0, 1.0, 6.0])
 

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from pipeline.weather.clouds import transmittance
+from pipeline.weather.clear_sky import transmittance
 from pipeline.weather.records import Clouds
 
 CLOUDS = Clouds(sun_share=0.5, mean_cloud_s=600.0, transmittance=0.33, spread=0.4, seed=7)

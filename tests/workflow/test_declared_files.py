@@ -9,7 +9,7 @@ from pathlib import Path
 
 import pytest
 
-from pipeline.plan import STEP_FILES
+from pipeline.kernel import registry
 from tests.workflow.conftest import Project
 
 pytestmark = [pytest.mark.workflow, pytest.mark.slow]
@@ -23,7 +23,7 @@ def hook(event, arguments):
         opened.add(os.path.realpath(arguments[0]))
 
 sys.addaudithook(hook)
-from pipeline.steps.__main__ import main
+from pipeline.kernel.run import main
 code = main(sys.argv[2:])
 with open(sys.argv[1], "w") as file:
     json.dump(sorted(opened), file)
@@ -65,7 +65,7 @@ def test_a_step_opens_only_what_it_declared(project: Project, step: str, tmp_pat
 
 def opens_only_what_it_declared(project: Project, step: str, tmp_path: Path) -> None:
     """Fail where a step opens a file of the project that it did not declare."""
-    declared = {path for pattern in STEP_FILES.get(step, ()) for path in project.folder.glob(pattern)}
+    declared = {path for pattern in registry.steps()[step].files for path in project.folder.glob(pattern)}
     known = {path.relative_to(project.folder) for path in declared}
     for path in _opened(project, step, tmp_path) - known:
         is_code = path.suffix == ".py" or "__pycache__" in path.parts or path.parts[0] == ".cache"

@@ -10,10 +10,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from pipeline import schemas, schemas_trade_off, store, tables
 from pipeline.grnn.charger_network import ChargerNetwork
 from pipeline.grnn.network import command
-from tests.steps.network_artefacts import SMALL
+from pipeline.kernel import store, tables
+from tests.experiments.network.artefacts import SMALL
+from tests.making import declared
 from tests.workflow.conftest import Project, copy_parts
 from tests.workflow.test_declared_files import opens_only_what_it_declared
 
@@ -41,7 +42,7 @@ def test_the_found_network_commands_the_charge(made: tuple[Project, Path, Path])
     key = next(entry["key"] for entry in manifest["artefacts"] if entry["step"] == "network")
     found = store.found_value(project.folder / "results/store/network" / key, "genetic")
     network = ChargerNetwork.model_validate(found).compiled()
-    trace = tables.read(schemas.CHARGE_TRACE, view / "charge/stopped/grnn.bdf.parquet")
+    trace = tables.read(declared("charge")["trace"].table, view / "charge/stopped/grnn.bdf.parquet")
     temperature = np.concatenate([[30.0], trace["Surface Temperature T1 / degC"]])
     for second in (5, 100, 300, 450):
         rate = temperature[second - 1] - temperature[second - 2]
@@ -50,7 +51,7 @@ def test_the_found_network_commands_the_charge(made: tuple[Project, Path, Path])
 
 
 def test_the_trade_off_holds_what_was_asked(made: tuple[Project, Path, Path]) -> None:
-    table = tables.read(schemas_trade_off.TRADE_OFF, made[1] / "trade_off" / "trade_off.parquet")
+    table = tables.read(declared("trade_off")["trade_off"].table, made[1] / "trade_off" / "trade_off.parquet")
     assert set(table["law"]) == {"constant_current", "grnn", "plain_rule"}
     assert len(table["law"]) == 2 * 4 * 4 + 2 * 4 + 2 * 5
 
@@ -64,7 +65,7 @@ def test_the_page_answers(made: tuple[Project, Path, Path]) -> None:
 
 
 def test_statements_are_judged_and_what_the_small_network_lacks_is_said(made: tuple[Project, Path, Path]) -> None:
-    verdicts = tables.read(schemas.VERDICTS, made[1] / "published" / "verdicts.parquet")
+    verdicts = tables.read(declared("verdicts")["verdicts"].table, made[1] / "published" / "verdicts.parquet")
     of = dict(zip(verdicts["statement"], verdicts["verdict"], strict=True))
     assert of["error_printed_twice"] == "contradicted"
     assert of["smaller_is_enough"] == "not checkable"

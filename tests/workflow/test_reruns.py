@@ -7,7 +7,7 @@ from collections import Counter
 
 import pytest
 
-from pipeline import store
+from pipeline.kernel import store
 from tests.workflow.conftest import Project, rules
 
 pytestmark = [pytest.mark.workflow, pytest.mark.slow]
@@ -42,7 +42,7 @@ def test_an_edited_caption_draws_one_chunk(restored: Project) -> None:
 
 
 def test_an_edited_helper_runs_its_dependents(restored: Project) -> None:
-    path = restored.folder / "src/pipeline/converter/chain.py"
+    path = restored.folder / "src/pipeline/converter/efficiency.py"
     path.write_text(path.read_text() + "\n\nANOTHER = 1\n")
     planned = restored.planned()
     assert {"power_supply", "charge_battery", *AFTER_CHARGES} <= set(planned)
@@ -51,7 +51,7 @@ def test_an_edited_helper_runs_its_dependents(restored: Project) -> None:
 
 
 def test_an_edited_drawing_draws_its_figure_alone(restored: Project) -> None:
-    path = restored.folder / "src/pipeline/report/figures/energy.py"
+    path = restored.folder / "src/pipeline/experiments/charges/figures/energy.py"
     path.write_text(path.read_text() + "\n\nANOTHER = 1\n")
     assert restored.planned() == Counter(draw_figures=1, write_page=1, publish_run=1)
 
@@ -70,7 +70,7 @@ def test_an_edited_algorithm_searches_again(restored: Project) -> None:
 
 
 def test_an_edited_comment_runs_nothing(restored: Project) -> None:
-    for file in ("converter/chain.py", "charge/simulate.py", "report/style.py"):
+    for file in ("converter/efficiency.py", "charge/simulate.py", "report/style.py"):
         path = restored.folder / "src/pipeline" / file
         path.write_text("# A remark.\n" + path.read_text())
     restored.edit("conf/load/master_system.yaml", "# The master system", "# It is the master system")

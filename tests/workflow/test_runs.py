@@ -14,8 +14,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from pipeline import digest, schemas, store, tables
 from pipeline.__main__ import main
+from pipeline.kernel import digest, store, tables
+from tests.making import declared
 from tests.workflow.conftest import Project, copy_project, rules
 
 pytestmark = [pytest.mark.workflow]
@@ -62,7 +63,7 @@ def test_the_found_frequency_is_the_one_charged_with(project: Project) -> None:
     key = next(entry["key"] for entry in view if entry["step"] == "search")
     found = store.found_value(project.folder / "results/store/search" / key, "frequency_hz")
     waveform = next(project.folder.glob("results/solar_reflex/*bulk*/charge/same_peak/cv_reflex.waveform.parquet"))
-    table = tables.read(schemas.CHARGE_WAVEFORM, waveform)
+    table = tables.read(declared("charge")["waveform"].table, waveform)
     current = table["current_a"]
     begins = table["time_s"][1:][(current[:-1] <= 0.0) & (current[1:] > 1.0)]
     assert len(begins) >= 3

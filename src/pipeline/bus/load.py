@@ -7,7 +7,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from pipeline.bus.records import HourlyLoad, LoadProfile
+from pipeline.bus.records import HourlyLoad, LoadProfile, MeasuredLoad
 from pipeline.converter.records import Load
 from pipeline.errors import UserError
 
@@ -46,13 +46,13 @@ def drawn(load: LoadProfile, from_s: float, until_s: float, measured: Drawn | No
             np.array([3600.0 * row.from_h for row in load.hours]), np.array([row.power_w for row in load.hours]), True
         )
     elif measured is None:
-        raise ValueError(f"load {load.title!r} needs the rows of its file, {load.file}")
+        raise ValueError(f"load {load.title!r} needs what its file or its profiles hold of the day")
     else:
         found = measured
         if found.clock_s[0] > from_s:
             raise UserError(
-                f"{load.file}: begins {found.clock_s[0]:g} s after midnight, the weather at {from_s:g} s; allowed is a "
-                "first row no later than that"
+                f"{_named(load)}: begins {found.clock_s[0]:g} s after midnight, the weather at {from_s:g} s; allowed "
+                "is a first row no later than that"
             )
     if found.repeats:
         days = np.arange(np.floor(from_s / _DAY_S), np.floor(until_s / _DAY_S) + 1.0)
@@ -62,6 +62,10 @@ def drawn(load: LoadProfile, from_s: float, until_s: float, measured: Drawn | No
     clock_s = found.clock_s[first:last].copy()
     clock_s[0] = from_s
     return Drawn(clock_s, found.power_w[first:last])
+
+
+def _named(load: LoadProfile) -> str:
+    return load.file if isinstance(load, MeasuredLoad) else f"load {load.title!r}"
 
 
 def held(starts: ArrayLike, values: ArrayLike, at: ArrayLike) -> Array:

@@ -5,11 +5,12 @@ from __future__ import annotations
 from itertools import pairwise
 from typing import Annotated, Any, Literal, TypeAlias
 
-from pydantic import Discriminator, Field, Tag, model_validator
+from pydantic import Discriminator, Field, Tag, field_validator, model_validator
 
 from pipeline.converter.records import Load
+from pipeline.errors import best_matches
+from pipeline.file_record import OwnFile
 from pipeline.record import Record
-from pipeline.series_clock import FileOffset
 
 
 class FromHour(Record):
@@ -17,6 +18,15 @@ class FromHour(Record):
 
     from_h: float = Field(ge=0, lt=24, description="local time from which it is drawn [h]")
     power_w: float = Field(ge=0, description="power drawn from the bus [W]")
+
+
+def _in_order(hours: tuple[FromHour, ...]) -> None:
+    starts = [row.from_h for row in hours]
+    if starts[0] != 0.0:
+        raise ValueError(f"hours begin at {starts[0]:g} h; the first row must begin at 0")
+    for before, after in pairwise(starts):
+        if after <= before:
+            raise ValueError(f"hours go from {before:g} h to {after:g} h; each row must begin after the one before")
 
 
 class HourlyLoad(Record):
@@ -28,26 +38,72 @@ class HourlyLoad(Record):
 
     @model_validator(mode="after")
     def _in_order(self) -> HourlyLoad:
-        starts = [row.from_h for row in self.hours]
-        if starts[0] != 0.0:
-            raise ValueError(f"hours begin at {starts[0]:g} h; the first row must begin at 0")
-        for before, after in pairwise(starts):
-            if after <= before:
-                raise ValueError(f"hours go from {before:g} h to {after:g} h; each row must begin after the one before")
+        _in_order(self.hours)
         return self
 
 
-class MeasuredLoad(Record):
-    """A CSV or Parquet file: time_s or time (ISO 8601), power_w; each row holds until the next, the last one on.
+Weekday: TypeAlias = Literal["mon", "tue", "wed", "thu", "fri", "sat", "sun"]
+WEEKDAYS: tuple[Weekday, ...] = ("mon", "tue", "wed", "thu", "fri", "sat", "sun")
+
+
+class DayProfile(Record):
+    """The powers of a kind of day: those of some weekdays in some months."""
+
+    months: tuple[Annotated[int, Field(ge=1, le=12)], ...] = Field(
+        default=tuple(range(1, 13)), min_length=1, description="months in which it holds, January being 1 [1]"
+    )
+    weekdays: tuple[Weekday, ...] = Field(
+        default=WEEKDAYS, min_length=1, description="days of the week on which it holds"
+    )
+    hours: tuple[FromHour, ...] = Field(min_length=1, description="powers in the order of the day, the first from 0 h")
+
+    @model_validator(mode="after")
+    def _in_order(self) -> DayProfile:
+        _in_order(self.hours)
+        return self
+
+
+class ProfileLoad(Record):
+    """A load by hour, weekday and month; the first profile that holds on a day is that day's."""
+
+    kind: Literal["profile"] = "profile"
+    title: str = Field(min_length=1, description="name of the load, for people")
+    profiles: tuple[DayProfile, ...] = Field(
+        min_length=1, description="kinds of days; the first that fits a day counts"
+    )
+
+    @model_validator(mode="after")
+    def _every_day(self) -> ProfileLoad:
+        for month in range(1, 13):
+            for weekday in WEEKDAYS:
+                if not any(month in one.months and weekday in one.weekdays for one in self.profiles):
+                    raise ValueError(
+                        f"profiles have none for a {weekday} in month {month}; the last may leave both out"
+                    )
+        return self
+
+
+LOAD_COLUMNS = ("time", "time_s", "date", "power_w", "power", "month", "weekday", "hour")
+
+
+class MeasuredLoad(OwnFile):
+    """A file of power over time, or of energy in each interval; each row holds until the next, the last one on.
 
     With times of day it is the same every day and begins at midnight; with dates it has rows on the day of the weather,
-    and one no later than the weather's first.
+    and one no later than the weather's first; with columns of hour, and perhaps weekday and month, and no other times
+    it is a profile.
     """
 
     kind: Literal["table"] = "table"
     title: str = Field(min_length=1, description="name of the load, for people")
-    file: str = Field(description="CSV or Parquet file; relative paths start from the working folder")
-    utc_offset_h: FileOffset = None
+
+    @field_validator("columns", "units")
+    @classmethod
+    def _known(cls, value: dict[str, str]) -> dict[str, str]:
+        for name in value:
+            if name not in LOAD_COLUMNS:
+                raise ValueError(f"{name!r} is no quantity of a load; {best_matches(name, LOAD_COLUMNS)}")
+        return value
 
 
 def _kind(value: Any) -> str:
@@ -56,7 +112,10 @@ def _kind(value: Any) -> str:
 
 
 LoadProfile: TypeAlias = Annotated[
-    Annotated[Load, Tag("constant")] | Annotated[HourlyLoad, Tag("hours")] | Annotated[MeasuredLoad, Tag("table")],
+    Annotated[Load, Tag("constant")]
+    | Annotated[HourlyLoad, Tag("hours")]
+    | Annotated[ProfileLoad, Tag("profile")]
+    | Annotated[MeasuredLoad, Tag("table")],
     Discriminator(_kind),
 ]
 """Every kind of load; a constant one is what the studies' charges take."""

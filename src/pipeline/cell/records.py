@@ -149,7 +149,7 @@ class Hysteresis(Record):
     """
 
     amplitude_v: float = Field(gt=0, description="value A after long charging, per cell; 0 after long discharging [V]")
-    rate_per_ah: float = Field(gt=0, description="rate B at which it follows the charge that passes [1/(A h)]")
+    rate_per_ah: float = Field(gt=0, description="rate B at which it follows the charge that passes [1/Ah]")
     initial_share: float = Field(
         0.0, ge=0, le=1, description="value at the start in units of the amplitude: 0 comes from a discharge [1]"
     )
@@ -161,9 +161,9 @@ class Battery(Record):
     name: str = Field(min_length=1, description="identifier")
     title: str = Field(min_length=1, description="readable name")
     cells_in_series: int = Field(ge=1, description="number of cells in series [1]")
-    capacity_ah: float = Field(gt=0, description="capacity for which the values below hold [A h]")
+    capacity_ah: float = Field(gt=0, description="capacity for which the values below hold [Ah]")
     scaled_to_capacity_ah: float | None = Field(
-        None, gt=0, description="capacity of the battery in use: the same cell with more or less plate area [A h]"
+        None, gt=0, description="capacity of the battery in use: the same cell with more or less plate area [Ah]"
     )
     open_circuit_voltage_v: Curve = Field(description="open-circuit voltage per cell at 25 degC [V]")
     entropic_coefficient_v_k: Curve = Field(0.0, description="dU/dT per cell [V/K]")
@@ -198,7 +198,7 @@ class Battery(Record):
 
     @property
     def capacity_in_use_ah(self) -> float:
-        """Return the capacity after scaling [A h]."""
+        """Return the capacity after scaling [Ah]."""
         return self.capacity_ah * self.scale
 
 

@@ -19,8 +19,7 @@ from pipeline.charge.record_keeping import (
 )
 from pipeline.charge.records import ChargeSettings
 from pipeline.charge.state import DEPTH, TEMPERATURE
-
-MISSED = "what it was to reach and did not, and why"
+from pipeline.charge.vocabulary import SUMMARY
 
 
 class Quantity(NamedTuple):
@@ -50,66 +49,50 @@ def summarise(
     scale_j = max(totals[ENERGY_IN], totals[ENERGY_OUT], 1e-9)
     peak_k, run = outcome.book.peak_k[0], outcome.run
 
-    def number(name: str, value: float, unit: str, description: str) -> Quantity:
-        return Quantity(name, float(value), None, unit, description)
+    numbers: dict[str, float] = {
+        "end_time_s": outcome.end_s,
+        "end_soc": 1.0 - end[DEPTH],
+        "charge_in_ah": totals[CHARGE_IN] / 3600,
+        "charge_out_ah": totals[CHARGE_OUT] / 3600,
+        "energy_in_wh": totals[ENERGY_IN] / 3600,
+        "energy_out_wh": totals[ENERGY_OUT] / 3600,
+        "charge_efficiency": _ratio(gained_as, net_as),
+        "energy_efficiency": _ratio(of_path["chemical"], net_j),
+        "peak_temperature_c": peak_k - ZERO_CELSIUS_K,
+        "peak_temperature_rise_k": peak_k - start[TEMPERATURE],
+        "end_temperature_c": end[TEMPERATURE] - ZERO_CELSIUS_K,
+        "peak_temperature_rate_k_s": _peak_rate_k_s(outcome),
+        "mean_current_a": _ratio(net_as, outcome.end_s),
+        "time_at_voltage_limit_s": totals[VOLTAGE_LIMITED_S],
+        "time_at_supply_limit_s": totals[SUPPLY_LIMITED_S],
+        "energy_balance_residual": of_path["residual"] / scale_j,
+        "steps": run["steps"],
+        "edges": run["edges"],
+        "control_changes": run["changes"],
+    }
+    rows = [*_marks(outcome, settings), *(_number(name, value) for name, value in numbers.items())]
+    texts = [_text("end_reason", reason), *([_text("missed", missed)] if missed is not None else [])]
+    after = next(place for place, row in enumerate(rows) if row.quantity == "end_soc") + 1
+    return rows[:after] + texts + rows[after:]
 
-    return [
-        *_marks(outcome, settings),
-        number("end_time_s", outcome.end_s, "s", "time at which the charge ended"),
-        number("end_soc", 1.0 - end[DEPTH], "1", "state of charge at the end"),
-        Quantity("end_reason", None, reason, "", "what ended the charge"),
-        *([Quantity("missed", None, missed, "", MISSED)] if missed is not None else []),
-        number("charge_in_ah", totals[CHARGE_IN] / 3600, "Ah", "charge put in, discharge pulses not subtracted"),
-        number("charge_out_ah", totals[CHARGE_OUT] / 3600, "Ah", "charge taken out by discharge pulses"),
-        number("energy_in_wh", totals[ENERGY_IN] / 3600, "Wh", "energy put in, discharge pulses not subtracted"),
-        number("energy_out_wh", totals[ENERGY_OUT] / 3600, "Wh", "energy taken out by discharge pulses"),
-        number("charge_efficiency", _ratio(gained_as, net_as), "1", "charge gained (SOC) over net charge put in"),
-        number(
-            "energy_efficiency",
-            _ratio(of_path["chemical"], net_j),
-            "1",
-            "stored chemical energy H(SOC) gained over net electrical energy put in; what discharge pulses "
-            "give up outside the battery is not counted as lost",
-        ),
-        number("peak_temperature_c", peak_k - ZERO_CELSIUS_K, "degC", "highest battery temperature"),
-        number("peak_temperature_rise_k", peak_k - start[TEMPERATURE], "K", "highest rise over the ambient"),
-        number("end_temperature_c", end[TEMPERATURE] - ZERO_CELSIUS_K, "degC", "battery temperature at the end"),
-        number(
-            "peak_temperature_rate_k_s",
-            _peak_rate_k_s(outcome),
-            "K/s",
-            "highest rate of the battery temperature, over a sampling interval",
-        ),
-        number("mean_current_a", _ratio(net_as, outcome.end_s), "A", "net charge put in over time"),
-        number("time_at_voltage_limit_s", totals[VOLTAGE_LIMITED_S], "s", "time with the voltage held at its limit"),
-        number("time_at_supply_limit_s", totals[SUPPLY_LIMITED_S], "s", "time with the supply at its limit"),
-        number("energy_balance_residual", of_path["residual"] / scale_j, "1", "first law's residual over energy in"),
-        number("steps", run["steps"], "1", "steps integrated, rejected ones and those of root finding included"),
-        number("edges", run["edges"], "1", "segments of the waveform begun"),
-        number("control_changes", run["changes"], "1", "changes between current, voltage and supply limit"),
-    ]
+
+def _number(pattern: str, value: float | None, **named: object) -> Quantity:
+    found = SUMMARY.quantity(pattern, float("nan") if value is None else value, **named)
+    return Quantity(found.name, None if value is None else found.value, None, found.unit, found.description)
+
+
+def _text(name: str, text: str) -> Quantity:
+    return _number(name, None)._replace(text=text)
 
 
 def _marks(outcome: Outcome, settings: ChargeSettings) -> list[Quantity]:
     rows: list[Quantity] = []
     for mark, (_, time_s, temperature_k) in zip(sorted(settings.soc_marks), outcome.book.marks, strict=True):
-        reached = bool(np.isfinite(time_s))
+        reached, of = bool(np.isfinite(time_s)), {"mark": f"{mark:g}"}
         rise = float(temperature_k - outcome.start[TEMPERATURE])
         rows += [
-            Quantity(
-                f"time_to_soc_{mark:g}_s",
-                float(time_s) if reached else None,
-                None,
-                "s",
-                f"time at which SOC {mark:g} was first reached",
-            ),
-            Quantity(
-                f"temperature_rise_at_soc_{mark:g}_k",
-                rise if reached else None,
-                None,
-                "K",
-                f"rise over the ambient when SOC {mark:g} was first reached",
-            ),
+            _number("time_to_soc_{mark}_s", float(time_s) if reached else None, **of),
+            _number("temperature_rise_at_soc_{mark}_k", rise if reached else None, **of),
         ]
     return rows
 

@@ -1,13 +1,24 @@
-"""`python -m pipeline compare A B`: says whether two published runs hold the same artefacts, and which differ."""
+"""`python -m pipeline compare A B`: reads two published runs from disk and says where their artefacts differ."""
 
 from __future__ import annotations
 
 import argparse
 import json
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 from pipeline.errors import UserError
+from pipeline.kernel import digest
+
+
+@dataclass(frozen=True)
+class Listed:
+    """An artefact as a manifest lists it: where it lies, and the sha256 it had when published."""
+
+    path: Path
+    sha256: str
 
 
 def main(arguments: Sequence[str]) -> int:
@@ -15,31 +26,132 @@ def main(arguments: Sequence[str]) -> int:
     parser = argparse.ArgumentParser(prog="python -m pipeline compare", description=__doc__)
     parser.add_argument("first", type=Path, help="a run's folder with manifest.json, or a results folder")
     parser.add_argument("second", type=Path, help="the other one")
+    parser.add_argument("--trust-manifest", action="store_true", help="compare the manifests, read no artefact")
     options = parser.parse_args(arguments)
     first, second = artefacts(options.first), artefacts(options.second)
-    differing = sorted(path for path in first.keys() & second.keys() if first[path] != second[path])
-    for path in differing:
-        print(f"differs   {path}")
+    both = sorted(first.keys() & second.keys())
+    if options.trust_manifest:
+        told = {
+            place: ["sha256 in the manifests differ"] * (first[place].sha256 != second[place].sha256) for place in both
+        }
+    else:
+        told = {place: list(faults(first[place], second[place])) for place in both}
+    differing = [place for place in both if told[place]]
+    for place in differing:
+        print(f"differs   {place}")
+        for line in told[place]:
+            print(f"          {line}")
+    single = 0
     for name, here, there in ((options.first, first, second), (options.second, second, first)):
-        for path in sorted(here.keys() - there.keys()):
-            print(f"only in {name}: {path}")
-    equal = len(first.keys() & second.keys()) - len(differing)
-    print(f"{equal} artefacts equal, {len(differing)} differ, {len(first.keys() ^ second.keys())} on one side only")
-    return 0 if first == second else 1
+        for place in sorted(here.keys() - there.keys()):
+            single += 1
+            print(f"only in {name}: {place}")
+            if not options.trust_manifest and (fault := damage(here[place])):
+                print(f"          {fault}")
+    print(f"{len(both) - len(differing)} artefacts equal, {len(differing)} differ, {single} on one side only")
+    if options.trust_manifest:
+        print("manifests only (--trust-manifest): no artefact was read")
+    return 1 if differing or single else 0
 
 
-def artefacts(folder: Path) -> dict[str, str]:
-    """Return place -> sha256 of every artefact that the manifests in a folder list, those of parts (`-t`) included."""
+def artefacts(folder: Path) -> dict[str, Listed]:
+    """Return place -> artefact of every file that the manifests in a folder list, those of parts (`-t`) included."""
     own = sorted(folder.glob("manifest*.json"))
     manifests = own or sorted(folder.glob("*/*/manifest*.json"))
     if not manifests:
         raise UserError(f"{folder}: no manifest.json there; allowed is a run's folder or a results folder")
-    single = bool(own)
-    found: dict[str, str] = {}
+    found: dict[str, Listed] = {}
     for path in manifests:
-        manifest = json.loads(path.read_text())
-        prefix = "" if single else f"{manifest['study']}/{manifest['run']}/"
-        for entry in manifest["artefacts"]:
-            place = Path(entry["path"])
-            found[prefix + Path(place.parts[0], *place.parts[3:]).as_posix()] = entry["sha256"]
+        try:
+            manifest = json.loads(path.read_text(encoding="utf-8"))
+            prefix = "" if own else f"{manifest['study']}/{manifest['run']}/"
+            for entry in manifest["artefacts"]:
+                place = Path(entry["path"])
+                name = prefix + Path(place.parts[0], *place.parts[3:]).as_posix()
+                found[name] = Listed(_on_disk(path, place), entry["sha256"])
+        except (OSError, ValueError, KeyError, TypeError, IndexError, AttributeError) as error:
+            raise UserError(f"{path}: not a manifest ({error}); run the study again, which writes it anew") from None
     return found
+
+
+def damage(listed: Listed) -> str | None:
+    """Return what is wrong with a file on disk, compared with its own manifest, or None."""
+    if not listed.path.is_file():
+        return f"missing: {listed.path}"
+    if digest.of_file(listed.path) != listed.sha256:
+        return f"not what its manifest lists ({listed.path.stat().st_size} bytes): {listed.path}"
+    return None
+
+
+def faults(first: Listed, second: Listed) -> Iterator[str]:
+    """Yield what is wrong with either file and, where both can be read and differ, where they differ first."""
+    found = [fault for one in (first, second) if (fault := damage(one))]
+    yield from found
+    if not (first.path.is_file() and second.path.is_file()):
+        return
+    if digest.of_file(first.path) != digest.of_file(second.path):
+        yield from _differences(first.path, second.path)
+
+
+def _differences(first: Path, second: Path) -> Iterator[str]:
+    if first.suffix == ".parquet":
+        yield from _table_differences(first, second)
+        return
+    here, there = first.read_bytes(), second.read_bytes()
+    at = next((i for i, (a, b) in enumerate(zip(here, there, strict=False)) if a != b), min(len(here), len(there)))
+    line = here[:at].count(b"\n") + 1
+    yield f"first difference at byte {at}, line {line}; {len(here)} and {len(there)} bytes"
+
+
+def _table_differences(first: Path, second: Path) -> Iterator[str]:
+    import pyarrow as pa
+    import pyarrow.parquet as pq
+
+    tables = []
+    for path in (first, second):
+        try:
+            tables.append(pq.ParquetFile(path).read())
+        except (pa.ArrowException, OSError) as error:
+            yield f"{path}: not a readable table ({str(error).splitlines()[0]})"
+    if len(tables) < 2:
+        return
+    here, there = tables
+    if here.column_names != there.column_names:
+        yield f"columns {here.column_names} and {there.column_names}"
+    if here.num_rows != there.num_rows:
+        yield f"{here.num_rows} and {there.num_rows} rows"
+    equal = True
+    for name in (name for name in here.column_names if name in there.column_names):
+        line = _column_difference(name, here[name].to_pylist(), there[name].to_pylist())
+        if line:
+            equal = False
+            yield line
+    if equal:
+        yield "values of the common columns and rows are equal; the bytes of the files differ"
+
+
+def _column_difference(name: str, here: list[Any], there: list[Any]) -> str | None:
+    """Return the first differing row of a column and the largest relative difference of its numbers."""
+    rows = [i for i, (a, b) in enumerate(zip(here, there, strict=False)) if a != b and not (a != a and b != b)]
+    if not rows:
+        return None
+    row = rows[0]
+    line = f"column {name!r}, row {row}: {here[row]!r} and {there[row]!r}; {len(rows)} rows differ"
+    pairs = [(here[i], there[i]) for i in rows]
+    numbers = [(a, b) for a, b in pairs if isinstance(a, int | float) and isinstance(b, int | float)]
+    if numbers:
+        line += f", largest relative difference {max(_relative(a, b) for a, b in numbers):.3g}"
+    return line
+
+
+def _relative(a: float, b: float) -> float:
+    if a != a or b != b:
+        return float("inf")
+    largest = max(abs(a), abs(b))
+    return abs(a - b) / largest if largest not in (0.0, float("inf")) else float("inf")
+
+
+def _on_disk(manifest: Path, place: Path) -> Path:
+    """Return where a file is that a manifest lists: below the results folder, whatever its name, or beside it."""
+    results = manifest.absolute().parents[2]
+    return results.joinpath(*place.parts[1:]) if place.parts[0] == "results" else results.parent / place

@@ -12,9 +12,10 @@ from typing import Any
 from rich.console import Console
 from rich.table import Table
 
-from pipeline import schemas, tables
 from pipeline.errors import UserError, best_matches
-from pipeline.store import RESULTS
+from pipeline.kernel import tables
+from pipeline.kernel.store import RESULTS
+from pipeline.published.evaluate import VERDICTS
 
 
 def main(arguments: Sequence[str]) -> int:
@@ -26,7 +27,7 @@ def main(arguments: Sequence[str]) -> int:
     path = RESULTS / run / "published" / "verdicts.parquet"
     if not path.is_file():
         raise UserError(_unpublished(run))
-    _print(tables.read(schemas.VERDICTS, path))
+    _print(tables.read(VERDICTS, path))
     print(f"\nthe page: {Path('reports') / run / 'index.html'}")
     return 0
 

@@ -8,12 +8,12 @@ import sys
 from collections.abc import Sequence
 from pathlib import Path
 
-from pipeline import planfile, store
+from pipeline.commands.workflow import tell
 from pipeline.config.compose import compose_tree, expand, groups, options
-from pipeline.digest import PROJECT
+from pipeline.config.planning import make_plan
 from pipeline.errors import UserError
-from pipeline.plan import make_plan
-from pipeline.telling import tell
+from pipeline.kernel import planfile, registry, store
+from pipeline.kernel.digest import PROJECT
 
 EXAMPLES = """\
 examples:
@@ -60,7 +60,8 @@ def _parser() -> argparse.ArgumentParser:
     available = "\n".join(f"  {group:<12} {', '.join(options(group))}" for group in groups())
     parser = argparse.ArgumentParser(
         prog="python -m pipeline",
-        description="Battery charging studies. Other words: compare, report, store, validate (each has --help).",
+        description="Battery charging studies. Other words: compare, report, store, validate, steps, modes, schema, "
+        "new; each has --help.",
         epilog=f"{EXAMPLES}\nconfiguration groups (group=option):\n{available}",
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
@@ -69,7 +70,8 @@ def _parser() -> argparse.ArgumentParser:
     parser.add_argument("-c", "--cores", type=cores, default="2", help="cores Snakemake may use (%(default)s)")
     parser.add_argument("-n", "--dry-run", action="store_true", help="show what would run")
     parser.add_argument("-F", "--force", action="store_true", help="compute everything again and compare")
-    parts = ", ".join(["all", *planfile.TARGETS, "report"])
+    parts = ", ".join(["all", *registry.targets(), "report"])
+    parser.add_argument("--verify", action="store_true", help="read every file made before, not only its size and time")
     parser.add_argument("-t", "--target", default="all", help=f"a part of the study: {parts}")
     parser.add_argument("--cfg", action="store_true", help="print the composed configuration and stop")
     return parser
@@ -89,6 +91,7 @@ def _snakemake(plan: Path, choices: argparse.Namespace) -> int:
     command += ["--profile", str(PROJECT / "profiles" / "default"), "--cores", str(choices.cores)]
     command += ["--dry-run"] * choices.dry_run + ["--forceall"] * choices.force
     command += [choices.target, "--config", f"plan={plan}", "tell=false"]
+    command += ["verify=true"] * choices.verify
     return subprocess.run(command, check=False).returncode
 
 

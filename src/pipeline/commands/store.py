@@ -8,8 +8,8 @@ from collections import Counter
 from collections.abc import Iterator, Sequence
 from pathlib import Path
 
-from pipeline import store
-from pipeline.store import RESULTS
+from pipeline.kernel import store
+from pipeline.kernel.store import RESULTS
 
 
 def main(arguments: Sequence[str]) -> int:

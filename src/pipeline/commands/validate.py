@@ -13,11 +13,12 @@ from typing import Any
 from rich.console import Console
 from rich.table import Table
 
-from pipeline import planfile, schemas_validation, store, tables
 from pipeline.commands.run import cores
-from pipeline.digest import PROJECT
-from pipeline.validation.records import BROKEN, NOT_INSTALLED
-from pipeline.validation.registry import CHECKS
+from pipeline.experiments.validation.records import BROKEN, NOT_INSTALLED
+from pipeline.experiments.validation.registry import CHECKS
+from pipeline.experiments.validation.tables import VALIDATION
+from pipeline.kernel import planfile, store, tables
+from pipeline.kernel.digest import PROJECT
 
 STUDY = "validation"
 
@@ -40,8 +41,9 @@ def main(arguments: Sequence[str]) -> int:
 
 def findings(view: Path) -> Iterator[tuple[str, list[dict[str, Any]]]]:
     """Yield the name of every check with its rows, from the readable view of a run."""
+    declared = VALIDATION["rows"]
     for name in CHECKS:
-        columns = tables.read(schemas_validation.VALIDATION_ROWS, view / f"{name}.rows.parquet")
+        columns = tables.read(declared.table, view / f"{name}.{declared.file}")
         yield name, [dict(zip(columns, row, strict=True)) for row in zip(*columns.values(), strict=True)]
 
 
@@ -51,7 +53,7 @@ def exit_code(found: Mapping[str, Sequence[Mapping[str, Any]]]) -> int:
 
 
 def _made(cores: str) -> int:
-    from pipeline.plan import make_plan
+    from pipeline.config.planning import make_plan
 
     plan = planfile.save(make_plan([[f"study={STUDY}"]]), store.RESULTS)
     command = [sys.executable, "-m", "snakemake", "--snakefile", str(PROJECT / "Snakefile"), "--cores", cores, STUDY]

@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterable, Sequence
+from copy import deepcopy
 from dataclasses import dataclass
+from functools import lru_cache
 from pathlib import Path
 from typing import Any
 
@@ -12,9 +15,59 @@ from hydra.core.override_parser.types import Override
 from hydra.errors import ConfigCompositionException, HydraException, MissingConfigException
 from omegaconf.errors import OmegaConfBaseException
 
-from pipeline.config.choices import choose, opened
-from pipeline.config.files import CONF, Layer, content, stamp
+from pipeline.config import adapter
+from pipeline.config.inheritance import CONF, Layer, Stamp, content, merge, stamp
 from pipeline.errors import UserError, best_matches
+
+_INTERPOLATED = re.compile(r"\$\{\s*([A-Za-z_]\w*)?")
+
+
+@dataclass(frozen=True)
+class Choice:
+    """What a choice of files comes to: the plain tree, and the files in the order of their merging."""
+
+    tree: dict[str, Any]
+    layers: tuple[Layer, ...]
+
+    def with_values(self, words: Sequence[Override]) -> dict[str, Any]:
+        """Return the tree with some values overridden and interpolations resolved, as Hydra would do it."""
+        moved = self._moved(words)
+        done = adapter.overridden({key: value for key, value in self.tree.items() if key in moved}, words)
+        kept = {key: deepcopy(value) for key, value in self.tree.items() if key not in moved}
+        both: dict[str, Any] = kept | done
+        return {key: both[key] for key in self.tree if key in both} | both
+
+    def _moved(self, words: Sequence[Override]) -> set[str]:
+        """Return the sections that overrides and interpolations touch; only they need OmegaConf, which is slow."""
+        if any("${" in str(word.input_line) for word in words):
+            return set(self.tree)
+        moved = {word.key_or_group.split(".")[0] for word in words}
+        for key, value in self.tree.items():
+            named = set(_INTERPOLATED.findall(repr(value)))
+            moved |= {key, *named} if named else set()
+        return moved
+
+
+@lru_cache(maxsize=64)
+def choose(words: tuple[str, ...], conf: Path, state: Stamp) -> Choice:
+    """Merge files as a person chose them; most of the time of a composition, so kept for the runs of a sweep.
+
+    Hydra says which files in which order; they are merged here, since its own merging makes every number an object.
+
+    Arguments
+    ---------
+    words : overrides that choose files.
+    conf : folder of the groups.
+    state : of its files, with which a kept choice ends.
+    """
+    with adapter.opened(conf, content) as loader:
+        files = adapter.files_of(loader, words)
+    layers = tuple(
+        Layer(tuple(filter(None, package.split("."))), conf / f"{path}.yaml")
+        for package, path in files
+        if not path.startswith("hydra/")
+    )
+    return Choice(merge(layers), layers)
 
 
 @dataclass(frozen=True)
@@ -102,18 +155,11 @@ def _chooses(word: Override, conf: Path) -> bool:
 
 def expand(words: Sequence[str]) -> list[list[str]]:
     """Expand a sweep (`battery=a,b mode.x=range(1,4)`) to one list of overrides a run, as Hydra's basic sweeper."""
-    from hydra._internal.core_plugins.basic_sweeper import BasicSweeper
-
     _check_syntax(words)
-    with opened(CONF) as loader:
-        parsed = OverridesParser.create(config_loader=loader).parse_overrides(overrides=list(words))
-        batches = BasicSweeper.split_arguments(parsed, max_batch_size=None)
-        # The sweeper writes `~key` as `~key=null`.
-        return [
-            [word.removesuffix("=null") if word.startswith("~") else word for word in run]
-            for batch in batches
-            for run in batch
-        ]
+    with adapter.opened(CONF, content) as loader:
+        runs = adapter.expanded(loader, words)
+    # The sweeper writes `~key` as `~key=null`.
+    return [[word.removesuffix("=null") if word.startswith("~") else word for word in run] for run in runs]
 
 
 def options(group: str, conf: Path = CONF) -> list[str]:

@@ -8,9 +8,11 @@ from typing import Any, Literal
 from pydantic import ValidationError, model_validator
 
 from pipeline.config.compose import Composed
-from pipeline.config.files import shown
+from pipeline.config.inheritance import shown
 from pipeline.config.messages import explain
 from pipeline.errors import UserError, best_matches
+from pipeline.kernel import registry
+from pipeline.kernel.scope import below
 from pipeline.record import Record
 
 Kind = Literal["published", "data_sheet", "derived", "estimate", "calibrated", "override", "found"]
@@ -198,3 +200,39 @@ def _at(values: Mapping[str, Any], path: str) -> Any:
 
 def _is_number(value: Any) -> bool:
     return isinstance(value, int | float) and not isinstance(value, bool)
+
+
+def found_values(study: Any) -> dict[str, tuple[str, ...]]:
+    """Return step -> names of the values it finds, for the steps the study has."""
+    found: dict[str, tuple[str, ...]] = {}
+    for one in registry.experiments().values():
+        found |= one.finds(study)
+    return found
+
+
+def check_references(study: Any) -> None:
+    """Refuse a reference `{from: step, value: name}` to a value that no step of the study finds.
+
+    Raises
+    ------
+    UserError : with the key path, the value and what is allowed.
+    """
+    found = found_values(study)
+    # Others may have theirs from one that an override changed: that one is told first.
+    own = [word.split("=", 1)[0].lstrip("+") for word in study.overrides]
+    for path, reference in sorted(_references(study), key=lambda found: not below(found[0], own)):
+        step, value = str(reference["from"]), str(reference["value"])
+        if path.split(".")[0] == step:
+            others = ", ".join(name for name in found if name != step) or "none"
+            raise UserError(f"{path}.from: {step!r} would wait for itself; allowed is {others}, or a number")
+        if step not in found:
+            raise UserError(f"{path}.from: no step {step!r} finds values in this study; {best_matches(step, found)}")
+        if value not in found[step]:
+            raise UserError(f"{path}.value: {step} finds no {value!r}; {best_matches(value, found[step])}")
+
+
+def _references(study: Any) -> Iterator[tuple[str, Mapping[str, Any]]]:
+    for section in study.parameter_sections():
+        for path, value in study.parameters(section):
+            if isinstance(value, Mapping):
+                yield path, value

@@ -8,9 +8,14 @@ from typing import Annotated, Literal
 from pydantic import Discriminator, Field, Tag, model_validator
 
 from pipeline.errors import UserError
+from pipeline.quantity import Vocabulary
 from pipeline.record import Record
 
 _FASTEST_CONTROL = 0.1
+
+
+USUAL_BUSES_V = (24.0, 36.0, 48.0, 60.0, 72.0, 96.0, 120.0, 150.0, 200.0, 300.0, 400.0)
+_COLD_OPEN_CIRCUIT = 1.25 * 1.12  # of the voltage at maximum power; 35 K below 25 degC at -0.34 %/K
 
 
 class CurrentControl(Record):
@@ -164,6 +169,10 @@ class PowerChain(Record):
         """Tell whether the efficiency of a converter follows from its parts."""
         return isinstance(self.boost, ConverterOfParts) or isinstance(self.buck, ConverterOfParts)
 
+    def averaged(self) -> PowerChain:
+        """Return the chain without the parts that the powers of hours do not depend on."""
+        return self if self.of_parts else self.model_copy(update={"switched": None, "losses": None})
+
 
 class Load(Record):
     """The master system, which the bus serves before the battery."""
@@ -189,7 +198,9 @@ def check(panel_power_w: float, panel_voltage_v: float, chain: PowerChain, load:
     if chain.bus_voltage_v <= panel_voltage_v:
         raise UserError(
             f"converter.bus_voltage_v is {chain.bus_voltage_v:g} V; a boost converter needs a bus above the panel's "
-            f"voltage at maximum power, {panel_voltage_v:g} V; raise it, or put fewer panels in series"
+            f"voltage at maximum power, {panel_voltage_v:g} V; a usual bus that fits is "
+            f"converter.bus_voltage_v={fitting_bus_v(panel_voltage_v):g}, from which the buck converter steps down to "
+            "the battery; where panels are in series, fewer of them fit too: panel.panels_in_series=1"
         )
     bus_w = panel_power_w * chain.tracker_efficiency * _most(chain.boost)
     if load.power_w >= bus_w:
@@ -199,6 +210,33 @@ def check(panel_power_w: float, panel_voltage_v: float, chain: PowerChain, load:
         )
 
 
+def fitting_bus_v(panel_voltage_v: float) -> float:
+    """Return the lowest usual voltage of a bus that a boost converter can feed from a panel [V].
+
+    It lies above the panel's open-circuit voltage in the cold, which is about 1.4 times that at maximum power.
+
+    Arguments
+    ---------
+    panel_voltage_v : voltage of all panels at maximum power [V].
+    """
+    least_v = _COLD_OPEN_CIRCUIT * panel_voltage_v
+    steps_v = 100.0
+    return next((bus_v for bus_v in USUAL_BUSES_V if bus_v >= least_v), steps_v * math.ceil(least_v / steps_v))
+
+
 def _most(converter: AnyConverter) -> float:
     """Return an efficiency that a converter does not exceed."""
     return converter.efficiency if isinstance(converter, Converter) else 1.0
+
+
+BOOST = Vocabulary(
+    {
+        "boost_duty": ("1", "duty of the boost converter with the panel at maximum power"),
+        "boost_inductor_ripple_a": ("A", "ripple of its inductor current"),
+        "boost_bus_ripple_v": ("V", "ripple of the bus"),
+        "boost_panel_ripple_v": ("V", "ripple of the panel's voltage"),
+        "boost_missed_w": ("W", "what the panel's ripple costs of its power"),
+        "boost_conduction_efficiency": ("1", "power into the bus over the panel's, conduction losses alone"),
+        "boost_valley_a": ("A", "least current of its inductor"),
+    }
+)

@@ -7,7 +7,7 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from pipeline.converter.records import SwitchedBoost
+from pipeline.converter.records import BOOST, SwitchedBoost
 from pipeline.converter.steady import steady_state, trace
 from pipeline.converter.topologies import CAPACITOR, DIODE, INDUCTOR, LOW, ON, THIRD, PanelSource, boost
 from pipeline.quantity import Quantity
@@ -40,26 +40,16 @@ def of_boost(
     bus = np.where(on, points @ made.outputs[ON, 1], points @ made.outputs[off, 1])
     swing = points[:, THIRD] - panel_voltage_v
     continuous = synchronous or steady.valley_a >= 0.0
-    found = [
-        ("duty", duty, "1", "duty of the boost converter with the panel at maximum power"),
-        ("inductor_ripple_a", _peak_to_peak(points[:, INDUCTOR]), "A", "ripple of its inductor current"),
-        ("bus_ripple_v", _peak_to_peak(bus), "V", "ripple of the bus"),
-        ("panel_ripple_v", _peak_to_peak(points[:, THIRD]), "V", "ripple of the panel's voltage"),
-        (
-            "missed_w",
-            float(np.mean(swing**2)) / source.resistance_ohm,
-            "W",
-            "what the panel's ripple costs of its power",
-        ),
-        (
-            "conduction_efficiency",
-            bus_voltage_v**2 / resistance / (panel_voltage_v * panel_current_a),
-            "1",
-            "power into the bus over the panel's, conduction losses alone",
-        ),
-    ]
-    numbers = [Quantity(f"boost_{name}", value if continuous else math.nan, *of) for name, value, *of in found]
-    return [*numbers, Quantity("boost_valley_a", steady.valley_a, "A", "least current of its inductor")]
+    found = {
+        "boost_duty": duty,
+        "boost_inductor_ripple_a": _peak_to_peak(points[:, INDUCTOR]),
+        "boost_bus_ripple_v": _peak_to_peak(bus),
+        "boost_panel_ripple_v": _peak_to_peak(points[:, THIRD]),
+        "boost_missed_w": float(np.mean(swing**2)) / source.resistance_ohm,
+        "boost_conduction_efficiency": bus_voltage_v**2 / resistance / (panel_voltage_v * panel_current_a),
+    }
+    numbers = [BOOST.quantity(name, value if continuous else math.nan) for name, value in found.items()]
+    return [*numbers, BOOST.quantity("boost_valley_a", steady.valley_a)]
 
 
 def operating_point(stage: SwitchedBoost, bus_voltage_v: float, source: PanelSource) -> tuple[float, float]:

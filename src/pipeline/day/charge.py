@@ -11,8 +11,8 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from pipeline.bus.flows import Change, charging_spans
 from pipeline.bus.load import held
-from pipeline.bus.switches import Change, charging_spans
 from pipeline.cell.circuit import ZERO_CELSIUS_K, compile_cell
 from pipeline.cell.records import Battery
 from pipeline.charge import drive

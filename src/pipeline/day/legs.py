@@ -5,8 +5,8 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass, field, replace
 
+from pipeline.bus.flows import ENDED, MODE_1, MODE_2, OFF, Change, closed
 from pipeline.bus.records import Switching
-from pipeline.bus.switches import ENDED, MODE_1, MODE_2, OFF, Change, closed
 from pipeline.charge.controller import Control, interrupt
 from pipeline.charge.outcome import Outcome, reason
 from pipeline.charge.protocol import Course, Protocol

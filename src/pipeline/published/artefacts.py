@@ -1,21 +1,22 @@
-"""Reads the numbers that predicates name out of the artefacts' tables."""
+"""Reads the numbers that predicates name, and their units, out of the artefacts' tables."""
 
 from __future__ import annotations
 
-import csv
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any, Protocol
 
 import numpy as np
 
-from pipeline import tables
 from pipeline.errors import UserError, best_matches
-from pipeline.published.names import NAMED, kind, source
+from pipeline.kernel.artefacts import Inputs
+from pipeline.kernel.tables import TableFile
 from pipeline.published.operands import Value
+from pipeline.published.reference import PRINTED, REFERENCE, is_named, kind, read_csv
 
 Columns = dict[str, np.ndarray[Any, Any]]
 Key = tuple[str, str, str]
+"""A named number: its artefact, table and quantity."""
 
 
 class Unanswerable(Exception):
@@ -37,42 +38,64 @@ class Reader(Protocol):
     def table(self, artefact: str, name: str) -> Columns:
         """Return a whole table."""
 
+    def unit(self, value: Value) -> str | None:
+        """Return the unit of a value as its table declares it; none where it declares none."""
+
 
 class Lookup:
-    """Artefacts by input name; tables are read once, when they are first asked for.
+    """The artefacts of a run, and the papers' own tables as `reference/<name>`.
 
     Arguments
     ---------
-    folders : input name -> folder with its tables; a `reference/...` input is a CSV file or the folder that holds it.
+    inputs : the artefacts.
+    printed : the folder of the papers' own tables.
     """
 
-    def __init__(self, folders: Mapping[str, Path]) -> None:
-        self._folders = dict(folders)
-        self._read: dict[tuple[str, str], Columns] = {}
+    def __init__(self, inputs: Inputs, printed: Path = REFERENCE) -> None:
+        self._inputs = inputs
+        self._printed = printed
 
     def table(self, artefact: str, name: str) -> Columns:
         """Return a table as column -> array; raise `Unanswerable` where this run has no such input."""
-        if artefact not in self._folders:
+        if kind(artefact) == PRINTED:
+            file = self._printed / f"{name}.csv"
+            if not file.is_file():
+                raise Unanswerable(f"{artefact} is not part of this run")
+            return read_csv(file)
+        if artefact not in self._inputs:
             raise Unanswerable(f"{artefact} is not part of this run")
-        if (artefact, name) not in self._read:
-            folder = self._folders[artefact]
-            if kind(artefact) == "reference":
-                self._read[artefact, name] = _read_csv(folder if folder.is_file() else folder / f"{name}.csv")
-            else:
-                found = source(kind(artefact), name)
-                if found is None or not (folder / found.file).is_file():
-                    raise Unanswerable(f"{artefact}.{name} is not part of this run")
-                self._read[artefact, name] = tables.read(found.table, folder / found.file)
-        return self._read[artefact, name]
+        if not self._inputs.holds(artefact, name):
+            raise Unanswerable(f"{artefact}.{name} is not part of this run")
+        return self._inputs.table(artefact, name)
+
+    def declared(self, value: Value) -> TableFile | None:
+        """Return how the table of a value is declared; none for a paper's own."""
+        return self._inputs.declared(value.artefact, value.table)
+
+    def unit(self, value: Value) -> str | None:
+        """Return the unit of a value as its table declares it; none for a paper's own, and for what is not there."""
+        declared = self.declared(value)
+        if declared is None or not self._inputs.holds(value.artefact, value.table):
+            return None
+        columns = {column.name: column.unit for column in declared.table.columns}
+        if not is_named(declared.table) and not columns.get(value.quantity, "").startswith("see"):
+            return columns.get(value.quantity)
+        if "unit" not in columns:
+            return None
+        data = self._inputs.table(value.artefact, value.table)
+        rows = data["quantity"] == value.quantity if is_named(declared.table) else _chosen(value, data)
+        found = {str(unit) for unit in data["unit"][rows]}
+        return found.pop() or "1" if len(found) == 1 else None
 
     def number(self, value: Value) -> float:
-        """Return one number; an empty time to an SOC is infinite: the charge ended before it got there."""
+        """Return one number; an empty time among named numbers is infinite: what it waits for did not happen."""
         found = self.column(value)
         if len(found) != 1:
             raise Unanswerable(f"{value} has {len(found)} rows, not one")
         number = float(found[0])
         if np.isnan(number):
-            if value.table == "summary" and value.quantity.startswith("time_to_soc_"):
+            declared = self.declared(value)
+            if declared is not None and is_named(declared.table) and self.unit(value) == "s":
                 return float("inf")
             raise Unanswerable(f"{value} is empty")
         return number
@@ -80,67 +103,64 @@ class Lookup:
     def column(self, value: Value) -> np.ndarray[Any, Any]:
         """Return a column over the rows chosen; named numbers count as columns of one row."""
         data = self.table(value.artefact, value.table)
-        if value.table in NAMED:
+        declared = self.declared(value)
+        if declared is not None and is_named(declared.table):
             found = data["value"][data["quantity"] == value.quantity]
-            if not len(found) and value.table != "summary":
-                raise Unanswerable(f"{value} is not part of this run")
             if not len(found):
-                raise _unknown(value, value.quantity, data["quantity"].tolist())
-            return np.asarray(found)
+                raise Unanswerable(f"{value} is not part of this run")
+            return np.asarray(found, float)
         return np.asarray(_column(value, value.quantity, data)[_chosen(value, data)])
 
     def series(self, value: Value) -> tuple[np.ndarray[Any, Any], np.ndarray[Any, Any]]:
         """Return the time in s and a column over the rows chosen."""
-        declared = source(kind(value.artefact), value.table)
+        declared = self.declared(value)
+        data = self.table(value.artefact, value.table)
         if declared is None or declared.time is None:
             raise UserError(f"{value}: table {value.table} has no column of time")
-        data = self.table(value.artefact, value.table)
         rows = _chosen(value, data)
         if not rows.any():
             raise Unanswerable(f"{value} has no rows")
         return data[declared.time][rows], _column(value, value.quantity, data)[rows]
 
-    def samples(self) -> list[dict[Key, float]]:
-        """Return what each sample of the ensemble found: (comparison, mode, quantity) -> number; none without one."""
-        if "ensemble" not in self._folders:
-            return []
-        data = self.table("ensemble", "ensemble")
-        found: dict[int, dict[Key, float]] = {}
-        columns = (data[name].tolist() for name in ("sample", "comparison", "mode", "quantity", "value"))
-        for sample, comparison, mode, quantity, value in zip(*columns, strict=True):
-            found.setdefault(sample, {})[comparison, mode, quantity] = value
-        return [found[sample] for sample in sorted(found)]
-
 
 class Sample(Lookup):
-    """The artefacts with the charges' summaries of one sample of the ensemble in place of their own."""
+    """The artefacts with some of their named numbers as one sample of the estimated parameters has them.
 
-    def __init__(self, nominal: Lookup, found: Mapping[Key, float]) -> None:
+    Arguments
+    ---------
+    nominal : the artefacts.
+    numbers : the numbers of the sample.
+    """
+
+    def __init__(self, nominal: Lookup, numbers: Mapping[Key, float]) -> None:
         self._nominal = nominal
-        self._found = found
-
-    def holds_key(self, key: Key) -> bool:
-        """Tell whether the sample has a row for a number, empty or not."""
-        return key in self._found
+        self.numbers = numbers
+        self._varied = {(kind(artefact), table) for artefact, table, _ in numbers}
 
     def table(self, artefact: str, name: str) -> Columns:
-        """Return a table that does not vary over the ensemble."""
+        """Return a table that does not vary over the samples."""
         return self._nominal.table(artefact, name)
 
+    def declared(self, value: Value) -> TableFile | None:
+        """Return how the table of a value is declared."""
+        return self._nominal.declared(value)
+
+    def unit(self, value: Value) -> str | None:
+        """Return the unit of a value."""
+        return self._nominal.unit(value)
+
     def column(self, value: Value) -> np.ndarray[Any, Any]:
-        """Return a column; the summary's numbers come from the sample."""
-        if value.table != "summary":
+        """Return a column; the numbers of tables that vary come from the sample."""
+        if (kind(value.artefact), value.table) not in self._varied:
             return super().column(value)
-        key = ensemble_key(value)
-        if key not in self._found:
+        if key(value) not in self.numbers:
             raise Unanswerable(f"{value} is not in the ensemble")
-        return np.array([self._found[key]])
+        return np.array([self.numbers[key(value)]])
 
 
-def ensemble_key(value: Value) -> Key:
-    """Return the key of a summary's number in the ensemble."""
-    _, comparison, mode = value.artefact.split("/")
-    return comparison, mode, value.quantity
+def key(value: Value) -> Key:
+    """Return the key of a named number."""
+    return value.artefact, value.table, value.quantity
 
 
 def _chosen(value: Value, data: Columns) -> np.ndarray[Any, Any]:
@@ -153,22 +173,5 @@ def _chosen(value: Value, data: Columns) -> np.ndarray[Any, Any]:
 
 def _column(value: Value, name: str, data: Columns) -> np.ndarray[Any, Any]:
     if name not in data:
-        raise _unknown(value, name, list(data))
+        raise UserError(f"{value}: nothing is called {name!r}; {best_matches(name, list(data))}")
     return data[name]
-
-
-def _unknown(value: Value, name: str, known: list[str]) -> UserError:
-    return UserError(f"{value}: nothing is called {name!r}; {best_matches(name, known)}")
-
-
-def _read_csv(path: Path) -> Columns:
-    with path.open(encoding="utf-8", newline="") as file:
-        rows = list(csv.DictReader(file))
-    return {name: _numbers([row[name] for row in rows]) for name in (rows[0] if rows else ())}
-
-
-def _numbers(cells: list[str]) -> np.ndarray[Any, Any]:
-    try:
-        return np.array([float(cell) if cell else np.nan for cell in cells])
-    except ValueError:
-        return np.array(cells, dtype=object)

@@ -7,18 +7,18 @@ from typing import Annotated, Any
 
 from pydantic import BeforeValidator, Discriminator, Field, Tag
 
+from pipeline.kernel import registry
 from pipeline.record import Record
 
 _VALUE = re.compile(
     r"(?P<quantity>.+?) of (?P<artefact>[\w./-]+?)(?:\.(?P<table>[a-z]\w*))?(?: where (?P<where>.+))?", re.ASCII
 )
-_DEFAULT_TABLES = {"charge": "summary", "panel": "points", "supply": "supply"}
 
 
 class Value(Record):
     """One number of an artefact, or a column of it: `quantity of artefact.table where column=value and ...`.
 
-    The table may be left out where an artefact has a usual one: a charge's summary, the panel's points.
+    The table may be left out where the step that makes the artefact declares a usual one.
     """
 
     quantity: str = Field(min_length=1, description="name of a quantity or a column")
@@ -43,8 +43,14 @@ def parse(text: Any) -> Any:
     if not found:
         raise ValueError(f"{text!r} is not a value; write 'quantity of artefact.table where column=value'")
     artefact = found["artefact"]
-    table = found["table"] or _DEFAULT_TABLES.get(artefact.split("/")[0], artefact.split("/")[-1])
+    table = found["table"] or _usual_table(artefact)
     return {"quantity": found["quantity"].strip(), "artefact": artefact, "table": table, "where": _rows(found["where"])}
+
+
+def _usual_table(artefact: str) -> str:
+    """Return the table that is meant where none is named; a paper's own has one of its own name."""
+    step = registry.steps().get(artefact.split("/")[0])
+    return artefact.split("/")[-1] if step is None or step.usual_table is None else step.usual_table
 
 
 def _rows(text: str | None) -> dict[str, float | str]:
@@ -60,7 +66,7 @@ def _rows(text: str | None) -> dict[str, float | str]:
     return rows
 
 
-Reading = Annotated[Value, BeforeValidator(parse)]
+Reading = Annotated[Value, BeforeValidator(parse, json_schema_input_type=str | Value)]
 """A value in compact or in long form."""
 
 

@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import math
+from dataclasses import dataclass
 
 import numpy as np
 
 from pipeline.errors import UserError
 from pipeline.published.artefacts import Columns, Reader, Unanswerable
-from pipeline.published.operands import Operand
-from pipeline.published.outcome import Outcome, number
+from pipeline.published.operands import AtTime, Difference, Operand, Product, Ratio, Total, Value
 from pipeline.published.records import (
     AllOf,
     Check,
@@ -26,7 +26,24 @@ from pipeline.published.records import (
     TablePair,
     Within,
 )
-from pipeline.published.wording import compared, label, plain, stated, unit_of
+from pipeline.published.wording import Wording, plain
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """Whether a predicate holds, by how much, and the numbers behind it.
+
+    `margin` is the distance to the point where it flips, in the statement's unit, negative where it fails;
+    `share` is the same over what was allowed, a pure number.
+    """
+
+    holds: bool
+    margin: float
+    share: float
+    sentence: str
+    computed: float | None = None
+    published: float | None = None
+    tolerance: float | None = None
 
 
 def apply(check: Check, reader: Reader, unit: str) -> Outcome:
@@ -36,25 +53,26 @@ def apply(check: Check, reader: Reader, unit: str) -> Outcome:
     ---------
     check : the predicate.
     reader : the artefacts.
-    unit : unit of the values compared, for the sentence.
+    unit : unit of the values compared, for the sentence, where no table declares it.
 
     Raises
     ------
     Unanswerable : a value it needs is not there.
     """
+    told = Wording(reader, unit)
     match check:
         case Close(close=limits):
-            return _close(limits, reader, unit)
+            return _close(limits, reader, told)
         case Less(less=pair):
-            return _ordered(pair, reader, unit, -1)
+            return _ordered(pair, reader, told, -1)
         case Greater(greater=pair):
-            return _ordered(pair, reader, unit, 1)
+            return _ordered(pair, reader, told, 1)
         case Smallest(smallest=extreme):
-            return _extreme(extreme, reader, unit, -1)
+            return _extreme(extreme, reader, told, -1)
         case Largest(largest=extreme):
-            return _extreme(extreme, reader, unit, 1)
+            return _extreme(extreme, reader, told, 1)
         case Within(within=limits):
-            return _within(limits, reader, unit)
+            return _within(limits, reader, told)
         case TableEquals(table_equals=pair):
             return _table_equals(pair, reader, unit)
         case AllOf(all=parts):
@@ -62,47 +80,91 @@ def apply(check: Check, reader: Reader, unit: str) -> Outcome:
     raise TypeError(f"no predicate: {check!r}")
 
 
-def _close(limits: CloseTo, reader: Reader, unit: str) -> Outcome:
+def number(operand: Operand, reader: Reader) -> float:
+    """Return the number an operand stands for.
+
+    Raises
+    ------
+    Unanswerable : an input is not part of the run, or a value is empty or not a number.
+    """
+    result = _number(operand, reader)
+    if math.isnan(result):
+        raise Unanswerable(f"{_label(operand, reader)} is not a number")
+    return result
+
+
+def _number(operand: Operand, reader: Reader) -> float:
+    match operand:
+        case Value():
+            return reader.number(operand)
+        case Difference(difference=(left, right)):
+            return number(left, reader) - number(right, reader)
+        case Ratio(ratio=(left, right)):
+            divisor = number(right, reader)
+            return number(left, reader) / divisor if divisor else math.nan
+        case Product(product=factors):
+            return math.prod(number(factor, reader) for factor in factors)
+        case Total(total=column):
+            found = reader.column(column)
+            return float(np.sum(found)) if len(found) else math.nan
+        case AtTime(at_time=moment):
+            time = number(moment.time, reader)
+            if math.isinf(time):
+                raise Unanswerable(f"{_label(moment.time, reader)}: the charge did not reach it")
+            return float(np.interp(time, *reader.series(moment.value)))
+        case _:
+            return float(operand)
+
+
+def _close(limits: CloseTo, reader: Reader, told: Wording) -> Outcome:
     value, target = number(limits.value, reader), number(limits.to, reader)
     allowed = limits.tolerance if limits.tolerance is not None else abs(target) * (limits.relative_tolerance or 0.0)
-    margin = _known(allowed - abs(value - target), limits.value)
-    within = plain(allowed, unit_of(limits.value, unit))
-    told = compared((limits.value, limits.to), (value, target), unit)
-    asked = f"{stated(limits.value, value, unit)}; asked to be within {within} of {stated(limits.to, target, unit)}"
-    sentence = f"{told}; asked to agree to {within}" if told else asked
+    margin = _known(allowed - abs(value - target), limits.value, reader)
+    operands, unit = (limits.value, limits.to), told.unit((limits.value, limits.to))
+    if isinstance(limits.to, float):
+        required = f"{told.compared(operands[:1], (value,))}; required: {plain(target, unit)}, "
+    else:
+        required = f"{told.compared(operands, (value, target))}; "
+    sentence = f"{required}tolerance ±{plain(allowed, unit)}"
     return Outcome(margin >= 0, margin, _share(margin, allowed), sentence, value, target, allowed)
 
 
-def _ordered(pair: Ordered, reader: Reader, unit: str, sign: int) -> Outcome:
+def _ordered(pair: Ordered, reader: Reader, told: Wording, sign: int) -> Outcome:
     value, bound = number(pair.value, reader), number(pair.than, reader)
-    margin = _known(sign * (value - bound) - pair.by, pair.value)
-    word = "above" if sign > 0 else "below"
-    least = f" by {plain(pair.by, unit)}" if pair.by else ""
-    told = compared((pair.value, pair.than), (value, bound), unit)
-    asked = f"{stated(pair.value, value, unit)}; asked to be {word} {stated(pair.than, bound, unit)}{least}"
-    sentence = f"{told}; the first is asked to be {word} the second{least}" if told else asked
+    margin = _known(sign * (value - bound) - pair.by, pair.value, reader)
+    operands, than = (pair.value, pair.than), ">" if sign > 0 else "<"
+    unit = told.unit(operands)
+    if isinstance(pair.than, float):
+        required = f"{told.compared(operands[:1], (value,))}; required: {than} {plain(bound, unit)}"
+    else:
+        required = f"{told.compared(operands, (value, bound))}; required: {f' {than} '.join(told.names(operands))}"
+    sentence = required + _least(pair.by, sign * (value - bound), unit)
     published = bound if isinstance(pair.than, float) else None
     return Outcome(margin > 0, margin, _share(margin, bound), sentence, value, published)
 
 
-def _extreme(extreme: Extreme, reader: Reader, unit: str, sign: int) -> Outcome:
+def _extreme(extreme: Extreme, reader: Reader, told: Wording, sign: int) -> Outcome:
     value = number(extreme.value, reader)
     others = [number(other, reader) for other in extreme.among]
-    margin = _known(min(sign * (value - other) for other in others) - extreme.by, extreme.value)
-    operands, found = (extreme.value, *extreme.among), (value, *others)
-    told = compared(operands, found, unit) or ", ".join(
-        stated(operand, one, unit) for operand, one in zip(operands, found, strict=True)
-    )
-    least = f" by {plain(extreme.by, unit)}" if extreme.by else ""
-    sentence = f"{told}; the first is asked to be the {'largest' if sign > 0 else 'smallest'}{least}"
+    ahead = min(sign * (value - other) for other in others)
+    margin = _known(ahead - extreme.by, extreme.value, reader)
+    operands = (extreme.value, *extreme.among)
+    required = f"{told.names(operands)[0]} {'largest' if sign > 0 else 'smallest'}"
+    least = _least(extreme.by, ahead, told.unit(operands))
+    sentence = f"{told.compared(operands, (value, *others))}; required: {required}{least}"
     return Outcome(margin > 0, margin, _share(margin, value), sentence, value)
 
 
-def _within(limits: Range, reader: Reader, unit: str) -> Outcome:
+def _least(by: float, found: float, unit: str) -> str:
+    """Return the margin that is required and the one found, where one is required."""
+    return f" by at least {plain(by, unit)}; found {plain(found, unit)}" if by else ""
+
+
+def _within(limits: Range, reader: Reader, told: Wording) -> Outcome:
     value = number(limits.value, reader)
-    margin = _known(min(value - limits.low, limits.high - value), limits.value)
-    asked = f"{plain(limits.low, unit)} to {plain(limits.high, unit)}"
-    sentence = f"{stated(limits.value, value, unit)}; asked to lie in {asked}"
+    margin = _known(min(value - limits.low, limits.high - value), limits.value, reader)
+    low, high = (plain(end, told.unit((limits.value,))) for end in (limits.low, limits.high))
+    sentence = f"{told.compared((limits.value,), (value,))}; required: {low} to {high}"
     return Outcome(margin >= 0, margin, _share(margin, (limits.high - limits.low) / 2), sentence, value)
 
 
@@ -119,9 +181,8 @@ def _table_equals(pair: TablePair, reader: Reader, unit: str) -> Outcome:
             where = f"column {ours}, row {int(distances.argmax()) + 1}"
     margin = pair.tolerance - worst
     cells = len(rows) * len(pair.columns)
-    sentence = (
-        f"of {cells} cells the farthest apart is {plain(worst, unit)} ({where}); {plain(pair.tolerance, unit)} asked"
-    )
+    largest = f"largest deviation of {cells} cells: {plain(worst, unit)} ({where})"
+    sentence = f"{largest}; tolerance ±{plain(pair.tolerance, unit)}"
     return Outcome(margin >= 0, margin, _share(margin, pair.tolerance), sentence, tolerance=pair.tolerance)
 
 
@@ -146,10 +207,14 @@ def _all(parts: list[Outcome]) -> Outcome:
     return Outcome(all(part.holds for part in parts), share, share, "; ".join(part.sentence for part in parts))
 
 
-def _known(margin: float, operand: Operand) -> float:
+def _known(margin: float, operand: Operand, reader: Reader) -> float:
     if math.isnan(margin):
-        raise Unanswerable(f"{label(operand)}: neither this nor what it is compared with was reached")
+        raise Unanswerable(f"{_label(operand, reader)}: neither this nor what it is compared with was reached")
     return margin
+
+
+def _label(operand: Operand, reader: Reader) -> str:
+    return Wording(reader, "1").label(operand)
 
 
 def _share(margin: float, allowed: float) -> float:

@@ -1,20 +1,15 @@
-"""Numbers and operands as a reader would say them."""
+"""Numbers and operands as the sentences of verdicts say them; units are those that the tables declare."""
 
 from __future__ import annotations
 
 import math
-import re
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 
+from pipeline.published.artefacts import Reader
 from pipeline.published.operands import AtTime, Difference, Operand, Product, Ratio, Total, Value, values
+from pipeline.published.reference import PRINTED, kind
 
-_UNITS = {
-    "s": "s", "k": "K", "c": "degC", "a": "A", "v": "V", "w": "W", "j": "J", "ah": "Ah", "wh": "Wh", "hz": "Hz",
-    "k_s": "K/s", "mw2_s": "mW2 s", "nats": "nat",
-}  # fmt: skip
-_UNIT_ENDING = re.compile(rf"_({'|'.join(_UNITS)})$")
-# Not watt but the inertia weight W, a factor of a parameter design.
-_WEIGHT = re.compile(r"_(chosen|best|p)_w$")
+_ACRONYMS = {"soc": "SOC", "ise": "ISE", "mse": "MSE", "anfis": "ANFIS"}
 
 
 def plain(value: float, unit: str = "1") -> str:
@@ -25,90 +20,148 @@ def plain(value: float, unit: str = "1") -> str:
     return text if unit in ("1", "") else f"{text} {unit}"
 
 
-def charge_name(artefact: str) -> str:
-    """Return `mode (comparison)` for a charge, the input's own name for anything else."""
+class Wording:
+    """Operands in words.
+
+    Arguments
+    ---------
+    reader : the artefacts, which know the units of their values.
+    unit : unit of what the statement compares, for operands that no table declares.
+    """
+
+    def __init__(self, reader: Reader, unit: str) -> None:
+        self._reader = reader
+        self._unit = unit
+
+    def unit(self, operands: Iterable[Operand]) -> str:
+        """Return the unit of operands that are compared: that of the first value whose table declares one, else
+        the statement's.
+        """
+        found = (self._reader.unit(one) for one in operands if isinstance(one, Value))
+        return next((unit for unit in found if unit is not None), self._unit)
+
+    def shape(self, operand: Operand) -> str:
+        """Return an operand as words, without saying of which artefact."""
+        match operand:
+            case Value():
+                return self._words(operand, operand.quantity)
+            case Difference(difference=(left, right)):
+                return f"{self._part(left)} - {self._part(right)}"
+            case Ratio(ratio=(left, right)):
+                if len(_owners(operand)) > 1:
+                    return f"{self.label(left)} / {self.label(right)}"
+                return f"{self._part(left)} / {self._part(right)}"
+            case Product(product=factors):
+                return " x ".join(self._part(factor) for factor in factors)
+            case Total(total=column):
+                return f"sum of {self.shape(column)}"
+            case AtTime(at_time=moment):
+                return f"{self.label(moment.value)} at {self.label(moment.time)}"
+            case _:
+                return plain(float(operand))
+
+    def _part(self, operand: Operand) -> str:
+        text = self.shape(operand)
+        return f"({text})" if isinstance(operand, (Difference, Ratio)) else text
+
+    def label(self, operand: Operand) -> str:
+        """Return an operand as words with its artefact, and with its row where it has one."""
+        owners = _owners(operand)
+        if len(owners) != 1 or isinstance(operand, AtTime):
+            return self.shape(operand)
+        owner = owners.pop()
+        first, *others = values(operand)
+        row = "" if any(one.where != first.where for one in others) else self._row(first, first.where)
+        printed, text = kind(owner) == PRINTED, self.shape(operand)
+        told = f"printed {text}" if printed else f"{text} of {' '.join(artefact_name(owner))}"
+        return told + (f", {row}" if row else "")
+
+    def compared(self, operands: Sequence[Operand], found: Sequence[float]) -> str:
+        """Return operands with their numbers, what they are said once where they differ only in artefact or row."""
+        unit = self.unit(operands)
+        numbers = [plain(value, unit) for value in found]
+        names, shared = self._alike(operands)
+        if names:
+            told = (f"{name} {number}" for name, number in zip(names, numbers, strict=True))
+            return f"{self.shape(operands[0])}{shared}: {', '.join(told)}"
+        alone = all(kind(owner) == PRINTED for one in operands for owner in _owners(one))
+        return "; ".join(self._stated(one, number, alone) for one, number in zip(operands, numbers, strict=True))
+
+    def names(self, operands: Sequence[Operand]) -> list[str]:
+        """Return what operands are called once `compared` has told them: what tells them apart, or their order."""
+        names, _ = self._alike(operands)
+        order = ["first", "second"] if len(operands) == 2 else ["first", *["another"] * (len(operands) - 1)]
+        return names if len(set(names)) == len(operands) else order
+
+    def _stated(self, operand: Operand, number: str, alone: bool) -> str:
+        """Return an operand with its number, or the number alone where the operand is one.
+
+        Arguments
+        ---------
+        alone : whether nothing but printed values is compared, so that each is called by its name.
+        """
+        if isinstance(operand, float):
+            return number
+        if not values(operand):
+            return f"{self.shape(operand)} = {number}"
+        printed = isinstance(operand, Value) and kind(operand.artefact) == PRINTED and not alone
+        return f"printed: {number}" if printed else f"{self.label(operand)}: {number}"
+
+    def _alike(self, operands: Sequence[Operand]) -> tuple[list[str], str]:
+        """Return what tells operands apart that differ only in artefact or row, and what they share; else nothing."""
+        owners = [_owners(one) for one in operands]
+        if len(operands) < 2 or len({self.shape(one) for one in operands}) > 1 or any(len(one) != 1 for one in owners):
+            return [], ""
+        rows = self._rows(operands)
+        if rows:
+            return rows, ""
+        names = [artefact_name(owner.pop()) for owner in owners]
+        shared = {group for _, *group_ in names for group in group_ or [""]}
+        if len(shared) == 1 and "" not in shared:
+            return [name for name, *_ in names], f" {shared.pop()}"
+        return [" ".join(name) for name in names], ""
+
+    def _rows(self, operands: Sequence[Operand]) -> list[str]:
+        """Return the rows of values of one table by what tells them apart; nothing where there are more tables."""
+        found = [one for one in operands if isinstance(one, Value) and one.where]
+        if len(found) < len(operands) or len({one.artefact for one in found}) > 1:
+            return []
+        rows = [one.where for one in found]
+        told = [
+            self._row(one, [name for name in one.where if len({str(other.get(name)) for other in rows}) > 1])
+            for one in found
+        ]
+        return told if all(told) else []
+
+    def _row(self, value: Value, columns: Iterable[str]) -> str:
+        """Return what a value asks of some columns of its row."""
+        told = []
+        for name in columns:
+            wanted = value.where[name]
+            unit = self._reader.unit(value.model_copy(update={"quantity": name, "where": {}})) or "1"
+            text = plain(wanted, unit) if isinstance(wanted, float) else wanted
+            told.append(f"{self._words(value, name)} {text}")
+        return ", ".join(told)
+
+    def _words(self, value: Value, name: str) -> str:
+        """Return a quantity or column as words, without the ending that repeats its unit; a paper's own as it is."""
+        if kind(value.artefact) == PRINTED:
+            return name
+        unit = self._reader.unit(value.model_copy(update={"quantity": name, "where": {}})) or "1"
+        for per in ("_", "_per_"):
+            ending = "_" + unit.lower().removeprefix("deg").replace("/", per).replace(" ", "_")
+            if unit != "1" and name.endswith(ending):
+                name = name.removesuffix(ending)
+                break
+        name = name.removesuffix(f" / {unit}")
+        return " ".join(_ACRONYMS.get(word, word) for word in name.split("_"))
+
+
+def artefact_name(artefact: str) -> tuple[str, ...]:
+    """Return the last part of a name of several parts and the one before in brackets, else the name as it is."""
     parts = artefact.split("/")
-    return f"{parts[2]} ({parts[1].replace('_', ' ')})" if parts[0] == "charge" and len(parts) == 3 else artefact
+    return (parts[-1], f"({parts[-2].replace('_', ' ')})") if len(parts) > 2 else (artefact,)
 
 
-def quantity_name(quantity: str) -> str:
-    """Return a quantity's name as words, without its unit."""
-    kept = quantity if _WEIGHT.search(quantity) else _UNIT_ENDING.sub("", quantity)
-    return kept.replace("_", " ").replace("soc", "SOC")
-
-
-def unit_of(operand: Operand, unit: str) -> str:
-    """Return the unit a value's name carries, else the statement's."""
-    if not isinstance(operand, Value) or _WEIGHT.search(operand.quantity):
-        return unit
-    found = _UNIT_ENDING.search(operand.quantity)
-    return _UNITS[found[1]] if found else unit
-
-
-def shape(operand: Operand) -> str:
-    """Return an operand as words, without saying of which artefact."""
-    match operand:
-        case Value():
-            return quantity_name(operand.quantity)
-        case Difference(difference=(left, right)):
-            return f"{_part(left)} - {_part(right)}"
-        case Ratio(ratio=(left, right)):
-            if len({value.artefact for value in values(operand)}) > 1:
-                return f"{label(left)} / {label(right)}"
-            return f"{_part(left)} / {_part(right)}"
-        case Product(product=factors):
-            return " x ".join(_part(factor) for factor in factors)
-        case Total(total=column):
-            return f"sum of {shape(column)}"
-        case AtTime(at_time=moment):
-            return f"{label(moment.value)} at {label(moment.time)}"
-        case _:
-            return plain(float(operand))
-
-
-def _part(operand: Operand) -> str:
-    text = shape(operand)
-    return f"({text})" if isinstance(operand, (Difference, Ratio)) else text
-
-
-def label(operand: Operand) -> str:
-    """Return an operand as words with its artefact."""
-    owners = {value.artefact for value in values(operand)} if not isinstance(operand, float) else set()
-    if len(owners) != 1 or isinstance(operand, AtTime):
-        return shape(operand)
-    owner = owners.pop()
-    return (
-        f"printed {shape(operand)}" if owner.startswith("reference/") else f"{shape(operand)} of {charge_name(owner)}"
-    )
-
-
-def stated(operand: Operand, value: float, unit: str) -> str:
-    """Return an operand with its number, or the number alone where the operand is one or is printed."""
-    text = plain(value, unit_of(operand, unit))
-    if isinstance(operand, float):
-        return text
-    if not values(operand):
-        return f"{shape(operand)} = {text}"
-    printed = isinstance(operand, Value) and operand.artefact.startswith("reference/")
-    return f"printed {text}" if printed else f"{label(operand)} {text}"
-
-
-def compared(operands: Sequence[Operand], found: Sequence[float], unit: str) -> str:
-    """Return operands that differ only in their artefact with their numbers, what they are said once; else nothing."""
-    owners = [{value.artefact for value in values(one)} if not isinstance(one, float) else set() for one in operands]
-    if len({shape(one) for one in operands}) > 1 or any(len(owner) != 1 for owner in owners):
-        return ""
-    numbers = (plain(value, unit_of(one, unit)) for one, value in zip(operands, found, strict=True))
-    names = _rows(operands) or [charge_name(owner.pop()) for owner in owners]
-    told = (f"{name} {number}" for name, number in zip(names, numbers, strict=True))
-    return f"{shape(operands[0])}: {', '.join(told)}"
-
-
-def _rows(operands: Sequence[Operand]) -> list[str]:
-    """Return the rows of values of one table by what tells them apart; nothing where another table is among them."""
-    rows = [one.where for one in operands if isinstance(one, Value) and one.where]
-    if len(rows) < len(operands) or len({one.artefact for one in operands if isinstance(one, Value)}) > 1:
-        return []
-    told = [[f"{name} {row[name]:g}" if isinstance(row[name], float) else f"{name} {row[name]}"
-             for name in row if len({str(other.get(name)) for other in rows}) > 1] for row in rows]  # fmt: skip
-    return [", ".join(words) for words in told] if all(told) else []
+def _owners(operand: Operand) -> set[str]:
+    return {value.artefact for value in values(operand)}

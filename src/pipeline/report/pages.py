@@ -6,12 +6,10 @@ import base64
 import re
 from collections import Counter
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from itertools import groupby
 from pathlib import Path
 from typing import Any
-
-from jinja2 import Environment, FileSystemLoader, StrictUndefined
 
 from pipeline.report.tables import Cell, Parameter, ReportTable, plain
 
@@ -20,14 +18,14 @@ LARGEST_SVG = 500_000
 """Size in bytes above which a figure goes into the page as PNG; the SVG stays beside it."""
 
 MEANINGS = {
-    "holds": ("✓", "computed without being fitted to it, and true"),
-    "calibrated": ("◐", "true, but a parameter it depends on was fitted to it: no evidence"),
-    "contradicted": ("✗", "checkable, and false"),
-    "fails": ("△", "false, although a parameter it depends on was fitted to it"),
-    "not checkable": ("○", "the paper, or this run, gives too little to decide"),
+    "holds": ("✓", "the condition is met, and no parameter was fitted to the statement"),
+    "calibrated": ("◐", "the condition is met, but a parameter was fitted to the statement: no evidence"),
+    "contradicted": ("✗", "the condition is not met"),
+    "fails": ("△", "the condition is not met, although a parameter was fitted to the statement"),
+    "not checkable": ("○", "the paper or this run does not give enough to decide"),
 }
 """Verdict -> its symbol and what it means, in the order in which they are counted."""
-BASES = {"paper_data": "from the paper's own numbers", "model": "from our simulation", "none": "too little is given"}
+BASES = {"paper_data": "from the paper's own numbers", "model": "from our simulation", "none": "not enough information"}
 
 
 @dataclass(frozen=True)
@@ -40,7 +38,10 @@ class Paper:
 
 @dataclass(frozen=True)
 class PageFigure:
-    """A figure; `name` is its file name, `paper` its number there, `png` the bytes to show where the SVG is heavy."""
+    """A figure; `name` is its file name, `paper` its number there, `png` the bytes to show where the SVG is heavy.
+
+    `draws` is the name of the module that draws it, `options` what was chosen there.
+    """
 
     name: str
     paper: str
@@ -48,6 +49,8 @@ class PageFigure:
     caption: str
     svg: str
     png: bytes = b""
+    draws: str = ""
+    options: Mapping[str, Any] = field(default_factory=dict)
 
 
 @dataclass(frozen=True)
@@ -69,7 +72,7 @@ class PageContent:
     ---------
     title, subtitle : the study and what it asks.
     paper : the paper it follows.
-    verdicts : columns of `schemas.VERDICTS`.
+    verdicts : columns of the table of verdicts.
     figures, tables : in the order in which they are shown; tables with a number of the paper come first.
     parameters : every parameter with its source.
     command : what to type to make all of it again.
@@ -91,6 +94,8 @@ class PageContent:
 
 def render(content: PageContent) -> str:
     """Return the page as HTML; the same content gives the same bytes."""
+    from jinja2 import Environment, FileSystemLoader, StrictUndefined  # not wanted where only names are
+
     environment = Environment(
         loader=FileSystemLoader(TEMPLATES),
         autoescape=True,
@@ -142,13 +147,17 @@ def number(value: Any, digits: int = 5) -> str:
 
 def unit(symbol: str) -> str:
     """Return a unit as it is printed; a pure number has none."""
-    known = {"1": "", "degC": "°C", "ohm": "Ω", "W/m2": "W/m²"}
-    return known.get(symbol, symbol)
+    return "" if symbol == "1" else _symbols(symbol)
 
 
 def prose(text: str) -> str:
     """Return a sentence with its units as they are printed."""
-    return re.sub(r"\bdegC\b", "°C", text).replace("W/m2", "W/m²").replace(" +- ", " ± ")
+    return _symbols(text).replace(" +- ", " ± ")
+
+
+def _symbols(text: str) -> str:
+    text = re.sub(r"\bdegC\b", "°C", re.sub(r"\bohm\b", "Ω", text))
+    return re.sub(r"\b(m|mW|C-rate)([23])\b", lambda found: found[1] + {"2": "²", "3": "³"}[found[2]], text)
 
 
 def share(value: Any) -> str:

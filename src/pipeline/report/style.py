@@ -5,13 +5,13 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
-import matplotlib
-from matplotlib.axes import Axes
-from matplotlib.figure import Figure
-from matplotlib.lines import Line2D
-from matplotlib.transforms import Bbox
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+    from matplotlib.lines import Line2D
+
 
 STYLE_FILE = Path(__file__).with_name("charge.mplstyle")
 WIDTH_IN = 9.0
@@ -48,6 +48,8 @@ def marks(modes: Sequence[str]) -> dict[str, Mark]:
 @contextmanager
 def active() -> Iterator[None]:
     """Draw and save with the style file on matplotlib's own defaults, whatever the user's settings are."""
+    import matplotlib
+
     with matplotlib.rc_context():
         matplotlib.rcdefaults()
         matplotlib.rcParams.update(matplotlib.rc_params_from_file(STYLE_FILE, use_default_template=False))
@@ -56,11 +58,15 @@ def active() -> Iterator[None]:
 
 def figure(height_in: float) -> Figure:
     """Return an empty figure of the page's width."""
+    from matplotlib.figure import Figure
+
     return Figure(figsize=(WIDTH_IN, height_in), layout="constrained")
 
 
 def handles(titles: dict[str, str], found: dict[str, Mark], markers: bool = True) -> list[Line2D]:
     """Return what a legend shows of each mark."""
+    from matplotlib.lines import Line2D
+
     return [
         Line2D(
             [], [], color=mark.colour, linestyle=mark.line, marker=mark.marker if markers else "", label=titles[mode]
@@ -105,6 +111,8 @@ def _settle(drawing: Figure) -> None:
     The layout's solver orders its equations by addresses in memory, so that its last digits differ from run to run; SVG
     names a clipped region after all of its digits.
     """
+    from matplotlib.transforms import Bbox
+
     drawing.draw_without_rendering()
     drawing.set_layout_engine("none")
     for axes in drawing.axes:

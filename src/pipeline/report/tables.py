@@ -7,21 +7,10 @@ import io
 import math
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
-from pathlib import Path
 from typing import Any
-
-from pipeline.report.data import Columns, ReportData
 
 Cell = str | float | int | None
 JOULES_PER_WATT_HOUR = 3600.0
-_STANDARD = (1000.0, 25.0)
-_TABLE_1 = (
-    ("maximum power", "W", "p_max_w", "max_power_w"),
-    ("voltage at maximum power", "V", "v_mp_v", "max_power_voltage_v"),
-    ("current at maximum power", "A", "i_mp_a", "max_power_current_a"),
-    ("open-circuit voltage", "V", "v_oc_v", "open_circuit_voltage_v"),
-    ("short-circuit current", "A", "i_sc_a", "short_circuit_current_a"),
-)
 
 
 @dataclass(frozen=True)
@@ -66,83 +55,6 @@ class Parameter:
     calibrated_to: str = ""
 
 
-def table_1(data: ReportData, printed: Path) -> ReportTable:
-    """Return the panel's characteristic values, printed and computed.
-
-    Arguments
-    ---------
-    data : artefacts, of which `panel` is read.
-    printed : CSV file with the paper's Table 1.
-    """
-    with printed.open(encoding="utf-8", newline="") as file:
-        paper = next(csv.DictReader(file))
-    points = data.table("panel", "points")
-    conditions = zip(points["irradiance_w_m2"], points["cell_temperature_c"], strict=True)
-    row = next((place for place, found in enumerate(conditions) if found == _STANDARD), None)
-    rows = []
-    for title, unit, theirs, ours in _TABLE_1:
-        value = float(paper[theirs])
-        computed = None if row is None else float(points[ours][row])
-        deviation = None if computed is None else 100.0 * (computed / value - 1.0)
-        rows.append((title, unit, value, computed, deviation))
-    return ReportTable(
-        "table_1",
-        "Panel at 1000 W/m² and 25 °C",
-        "The single-diode model is fitted to the voltages and currents, so these agree by construction; "
-        "the power is their product.",
-        ("quantity", "unit", "printed", "computed", "deviation / %"),
-        tuple(rows),
-        paper="Table 1",
-    )
-
-
-def charges(data: ReportData) -> ReportTable:
-    """Return every quantity of the charges' summaries: a row per comparison and quantity, a column per mode."""
-    rows: list[tuple[Cell, ...]] = []
-    for comparison in data.shown(None):
-        summaries = {mode: data.charge(comparison, mode, "summary") for mode in data.charged(comparison)}
-        units = {
-            str(n): str(u) for one in summaries.values() for n, u in zip(one["quantity"], one["unit"], strict=True)
-        }
-        found = {mode: _summary(one) for mode, one in summaries.items()}
-        for quantity, unit in units.items():
-            cells = tuple(found[mode].get(quantity) if mode in found else None for mode in data.modes)
-            rows.append((data.comparisons[comparison], quantity, unit, *cells))
-    return ReportTable(
-        "charges",
-        "What came of the charges",
-        "An empty cell: the charge did not get there.",
-        ("comparison", "quantity", "unit", *(label.title for label in data.modes.values())),
-        tuple(rows),
-        grouped=True,
-    )
-
-
-def energy(data: ReportData) -> ReportTable:
-    """Return where the energy of each charge went [Wh]: a row per comparison and path, a column per mode."""
-    rows: list[tuple[Cell, ...]] = []
-    for comparison in data.shown(None):
-        found = {mode: data.charge(comparison, mode, "energy") for mode in data.charged(comparison)}
-        paths = {
-            str(path): str(role) for one in found.values() for path, role in zip(one["path"], one["role"], strict=True)
-        }
-        values = {
-            mode: dict(zip(map(str, one["path"]), one["energy_j"].tolist(), strict=True)) for mode, one in found.items()
-        }
-        for path, role in paths.items():
-            joules = [values.get(mode, {}).get(path) for mode in data.modes]
-            watt_hours = (None if one is None else one / JOULES_PER_WATT_HOUR for one in joules)
-            rows.append((data.comparisons[comparison], path, role, *watt_hours))
-    return ReportTable(
-        "energy",
-        "Where the energy went [Wh]",
-        "Input less everything stored, lost and given off leaves the residual: the first law, closed.",
-        ("comparison", "path", "role", *(label.title for label in data.modes.values())),
-        tuple(rows),
-        grouped=True,
-    )
-
-
 def verdicts(columns: Mapping[str, Sequence[Any]]) -> ReportTable:
     """Return the verdicts as they stand in their artefact, a row per statement."""
     rows = zip(*(columns[name] for name in columns), strict=True)
@@ -159,6 +71,31 @@ def parameters(found: Iterable[Parameter]) -> ReportTable:
     ]
     header = ("key", "value", "unit", "source", "reference", "low", "high", "calibrated to")
     return ReportTable("parameters", "Parameters and their sources", "", header, tuple(rows))
+
+
+def listed(entries: Iterable[Mapping[str, Any]]) -> list[Parameter]:
+    """Return the parameters from key path, value, unit and source as the plan holds them."""
+    return [
+        Parameter(
+            key=entry["path"],
+            value=_readable(entry["value"]),
+            unit=entry["unit"],
+            kind=entry["kind"],
+            reference=entry["ref"],
+            low=entry["range"][0] if entry["range"] else None,
+            high=entry["range"][1] if entry["range"] else None,
+            calibrated_to=entry["to"] or "",
+        )
+        for entry in entries
+    ]
+
+
+def _readable(value: Any) -> Any:
+    if isinstance(value, Mapping):
+        if "centres" in value:
+            return f"{len(value['centres'])} centres"
+        return f"{value['value']} of {value['from']}"
+    return value
 
 
 def to_csv(table: ReportTable) -> str:
@@ -181,11 +118,6 @@ def plain(value: Any) -> Cell:
     if isinstance(value, (list, tuple)):
         return ", ".join(str(part) for part in value)
     return str(value).lower() if isinstance(value, bool) else str(value)
-
-
-def _summary(columns: Columns) -> dict[str, Cell]:
-    rows = zip(columns["quantity"], columns["value"], columns["text"], strict=True)
-    return {str(name): plain(text) if text else plain(value) for name, value, text in rows}
 
 
 def sentence(text: str) -> str:

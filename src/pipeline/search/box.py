@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any, NamedTuple, Self
+from typing import Any, Literal, NamedTuple, Self
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,8 +14,8 @@ from pipeline.record import Record
 class Interval(Record):
     """The range of one variable."""
 
-    low: float = Field(description="lower end, in the variable's unit")
-    high: float = Field(description="upper end, in the variable's unit")
+    low: float = Field(description="lower end [unit of the variable]")
+    high: float = Field(description="upper end [unit of the variable]")
 
     @model_validator(mode="after")
     def _rises(self) -> Interval:
@@ -62,3 +62,47 @@ class Box(NamedTuple):
 
     low: NDArray[np.float64]
     high: NDArray[np.float64]
+
+
+class ChaosSettings(Record):
+    """The orbits of the map x -> r x (1 - x) and the measures of its disorder."""
+
+    start: float = Field(gt=0, lt=1, description="where every orbit begins [1]")
+    orbit_steps: int = Field(ge=2, description="steps of the orbit at r = 4, from its start [1]")
+    r_low: float = Field(gt=0, lt=4, description="lowest parameter r [1]")
+    r_points: int = Field(ge=2, description="parameters from the lowest to 4, both included [1]")
+    transient: int = Field(ge=0, description="steps left out before anything over r is counted [1]")
+    bifurcation_steps: int = Field(ge=1, description="values kept for each r [1]")
+    disorder_steps: int = Field(ge=100, description="steps over which disorder is measured, for each r [1]")
+    bins: tuple[int, ...] = Field(min_length=1, description="numbers of equal bins that visits are counted in [1]")
+
+    @model_validator(mode="after")
+    def _chaotic(self) -> ChaosSettings:
+        if 4.0 * self.start in (1.0, 2.0, 3.0):
+            raise ValueError(f"start is {self.start:g}, whose orbit at r = 4 ends in a fixed point; take another")
+        if min(self.bins) < 2 or len(set(self.bins)) < len(self.bins):
+            raise ValueError(f"bins is {list(self.bins)}; each must be 2 or more and stand there once")
+        return self
+
+
+class CuckooSettings(SearchSettings):
+    """The settings of cuckoo search; as they stand by default it is plain cuckoo search."""
+
+    kind: Literal["cuckoo"] = "cuckoo"
+    nests: int = Field(ge=3, description="nests [1]")
+    generations: int = Field(ge=1, description="flights and walks of all nests, after their random start [1]")
+    pa: float = Field(default=0.25, ge=0, le=1, description="chance that a coordinate of a nest takes the walk [1]")
+    step_scale: float = Field(default=0.01, gt=0, description="Levy step over the distance to the best nest [1]")
+    levy_exponent: float = Field(default=1.5, gt=1, lt=2, description="exponent of the Levy law [1]")
+    inertia: float = Field(default=1.0, ge=0, le=1, description="weight w of a nest's own position; 1: plain [1]")
+    inertia_end: float | None = Field(
+        default=None, ge=0, le=1, description="weight in the last generation, falling evenly; none: constant [1]"
+    )
+    ki: float = Field(default=0.0, ge=0, description="integral constant Ki; 0: plain [1]")
+    leak: float = Field(default=0.9, ge=0, le=1, description="share of the integral that a generation keeps [1]")
+
+    def weights(self) -> NDArray[np.float64]:
+        """Return the inertia of every generation."""
+        return np.linspace(
+            self.inertia, self.inertia if self.inertia_end is None else self.inertia_end, self.generations
+        )

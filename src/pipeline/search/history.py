@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable
-from typing import NamedTuple, TypeAlias
+from typing import Any, NamedTuple, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
+
+from pipeline.search.box import Box
 
 Array: TypeAlias = NDArray[np.float64]
 Objective: TypeAlias = Callable[[Array], Array]
@@ -95,3 +97,37 @@ class Recorder:
         kept = (self._rows + self._rows[-1:] * rows)[:rows]
         evaluations, position, value = zip(*kept, strict=True)
         return History(np.array([evaluations], dtype=np.int64), np.array([position]), np.array([value]))
+
+
+def drive(
+    make: Callable[[], Any], objective: Objective, box: Box, generations: int, rng: np.random.Generator
+) -> History:
+    """Run one search.
+
+    Arguments
+    ---------
+    make : returns the algorithm.
+    objective : positions (n, d) to values (n,).
+    box : where to look.
+    generations : how many, after the start.
+    rng : where the seed of its random numbers comes from.
+
+    Returns
+    -------
+    History of one replicate, a row for the start and for each generation.
+    """
+    from pymoo.core.problem import Problem
+
+    recorder = Recorder(objective)
+
+    class Boxed(Problem):  # type: ignore[misc]
+        def _evaluate(self, x: Any, out: Any, *args: Any, **kwargs: Any) -> None:
+            out["F"] = recorder(x)
+
+    problem = Boxed(n_var=len(box.low), n_obj=1, xl=box.low, xu=box.high)
+    algorithm = make()
+    algorithm.setup(problem, termination=("n_gen", generations + 1), seed=int(rng.integers(2**31)), verbose=False)
+    while algorithm.has_next():
+        algorithm.next()
+        recorder.mark()
+    return recorder.history(generations + 1)

@@ -12,7 +12,7 @@ from importlib import import_module
 from typing import Annotated, Any, Protocol, cast
 
 import numpy as np
-from pydantic import BeforeValidator, SerializeAsAny
+from pydantic import BeforeValidator, GetJsonSchemaHandler, SerializeAsAny
 
 from pipeline.errors import best_matches
 from pipeline.search import algorithms
@@ -63,7 +63,15 @@ def settings_from(values: Any) -> Any:
     return algorithm(kind).Settings.model_validate(dict(values))
 
 
-AnySettings = Annotated[SerializeAsAny[SearchSettings], BeforeValidator(settings_from)]
+class _OfEveryAlgorithm:
+    """The JSON schema of settings: those of any algorithm, which validation finds by their `kind`."""
+
+    def __get_pydantic_json_schema__(self, schema: Any, handler: GetJsonSchemaHandler) -> dict[str, Any]:
+        """Return the schemas of all algorithms as alternatives."""
+        return {"anyOf": [handler(algorithm(name).Settings.__pydantic_core_schema__) for name in names()]}
+
+
+AnySettings = Annotated[SerializeAsAny[SearchSettings], BeforeValidator(settings_from), _OfEveryAlgorithm()]
 """A field that takes the settings of whichever algorithm its `kind` names."""
 
 

@@ -5,11 +5,12 @@ from __future__ import annotations
 import datetime
 from typing import Annotated, Literal, TypeAlias
 
-from pydantic import AfterValidator, Field, model_validator
+from pydantic import AfterValidator, Field, field_validator, model_validator
 
+from pipeline.errors import best_matches
+from pipeline.file_record import OwnFile
 from pipeline.panel.records import ConstantWeather
 from pipeline.record import Record
-from pipeline.series_clock import FileOffset
 
 _MOST_OFF_H = 4.0
 
@@ -144,25 +145,84 @@ class CloudySky(ClearSky):
     clouds: Clouds
 
 
-class MeasuredWeather(Record):
-    """A CSV or Parquet file: time_s or time (ISO 8601), irradiance_w_m2 on the panel, ambient_c, perhaps wind_m_s.
+Format: TypeAlias = Literal[
+    "auto",
+    "csv",
+    "bsrn",
+    "cams",
+    "crn",
+    "epw",
+    "midc",
+    "psm4",
+    "pvgis_hourly",
+    "pvgis_tmy",
+    "solaranywhere",
+    "solrad",
+    "srml",
+    "surfrad",
+    "tmy2",
+    "tmy3",
+]
+"""What a weather's file is: found out, any table, or what pvlib has a reader for."""
+LIGHT = ("irradiance_w_m2", "ghi", "dni", "bhi", "dhi")
+COLUMNS = ("time", "time_s", "date", *LIGHT, "poa_global", "poa", "ambient_c", "temp_air", "wind_m_s", "wind_speed")
 
-    It is one local day; each row holds from its time on, for the usual distance of two rows.
+
+class MeasuredWeather(OwnFile):
+    """A file with the weather of a local day: light on the panel, or its parts and how the panel stands; air, wind.
+
+    Each row holds over its interval. The parts of the light (`ghi`, `dni`, `dhi`, `bhi`; `ghi` alone is split) are
+    brought onto the panel by Hay and Davies (1980) through pvlib, for which `surface` and `place` are needed; a format
+    that says its place needs no `place`. Light on the panel (`irradiance_w_m2`) is taken as it is.
     """
 
     kind: Literal["table"] = "table"
     title: str = Field(min_length=1, description="name of the weather, for people")
-    file: str = Field(description="CSV or Parquet file; relative paths start from the working folder")
+    format: Format = Field(
+        default="auto", description="what the file is; auto looks at it, and what it took it for is told"
+    )
     date: Date | None = Field(
         default=None,
         description="local day that is taken of the file, needed where it has several; day of a file of times of day",
     )
-    utc_offset_h: FileOffset = None
+    place: Place | None = Field(default=None, description="where the panel stands, where the file does not say it")
+    surface: Surface | None = Field(
+        default=None, description="how the panel stands, where the file has the light on the horizontal"
+    )
     longest_gap_s: float = Field(
         default=600.0, ge=0, description="longest gap in the file that is interpolated; a longer one is dark [s]"
     )
+    longest_gap_rows: float = Field(
+        default=2.0,
+        ge=0,
+        description="missing rows that are interpolated, where these are longer, as in files by the hour [1]",
+    )
+    ambient_c: float | None = Field(
+        default=None, ge=-60, le=60, description="temperature of the air where the file has none [degC]"
+    )
     wind_m_s: float = Field(ge=0, le=40, description="wind at the panel where the file has none [m/s]")
     cell_temperature: Cells
+
+    @field_validator("columns", "units")
+    @classmethod
+    def _known(cls, value: dict[str, str]) -> dict[str, str]:
+        for name in value:
+            if name not in COLUMNS:
+                raise ValueError(f"{name!r} is no quantity of a weather; {best_matches(name, COLUMNS)}")
+        return value
+
+    @model_validator(mode="after")
+    def _one_offset(self) -> MeasuredWeather:
+        given = self.utc_offset_h
+        if self.place is not None and given is not None and given != self.place.utc_offset_h:
+            raise ValueError(
+                f"utc_offset_h is {given:g} and place.utc_offset_h {self.place.utc_offset_h:g}; one is enough"
+            )
+        return self
+
+    def longest_gap(self, step_s: float) -> float:
+        """Return the longest gap that is interpolated in a file of an interval [s]."""
+        return max(self.longest_gap_s, self.longest_gap_rows * step_s if self.longest_gap_s > 0.0 else 0.0)
 
 
 Weather: TypeAlias = Annotated[ConstantWeather | ClearSky | CloudySky | MeasuredWeather, Field(discriminator="kind")]

@@ -19,9 +19,8 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from pipeline.search.box import Box
+from pipeline.search.box import Box, CuckooSettings
 from pipeline.search.history import History, Objective
-from pipeline.search.records import CuckooSettings
 from pipeline.search.streams import generators
 
 Settings = CuckooSettings

@@ -8,8 +8,7 @@ import numpy as np
 from pydantic import Field
 
 from pipeline.search.box import Box, SearchSettings
-from pipeline.search.history import History, Objective
-from pipeline.search.pymoo_driver import drive
+from pipeline.search.history import History, Objective, drive
 
 
 class Settings(SearchSettings):

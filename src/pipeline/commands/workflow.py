@@ -1,0 +1,217 @@
+"""What the Snakefile asks: which plan, which receipts, which command."""
+
+from __future__ import annotations
+
+import shlex
+import sys
+from collections.abc import Collection, Iterable, Iterator, Mapping
+from importlib import import_module
+from pathlib import Path
+from typing import Any
+
+from pipeline.errors import UserError
+from pipeline.kernel import planfile, publish, store
+from pipeline.kernel.publish import view_folder
+
+MOST_RUNS = 8
+
+
+def tell(plan: Mapping[str, Any], targets: Iterable[str], results: Path) -> Iterator[str]:
+    """Yield what there is to say of the runs that some targets of a plan made, whole or in part."""
+    made = _made(plan, targets)
+    for run, steps in made:
+        for module in plan["tells"]:
+            yield from import_module(module).lines(run, steps, results)
+    for run, steps in made[:MOST_RUNS]:
+        yield f"results: {view_folder(results, run, 'results')}"
+        if "page" in steps:
+            yield f"the page: {view_folder(results, run, 'reports') / 'index.html'}"
+    if len(made) > MOST_RUNS:
+        yield f"and {len(made) - MOST_RUNS} more runs beside them"
+
+
+def _made(plan: Mapping[str, Any], targets: Iterable[str]) -> list[tuple[Mapping[str, Any], set[str]]]:
+    """Return each run that some targets make, with the steps of it that they publish."""
+    steps: dict[int, set[str]] = {}
+    for name in targets:
+        for chunk in (plan["chunks"][chunk] for chunk in plan["targets"][name]):
+            for number in chunk["runs"]:
+                steps.setdefault(number, set()).update(chunk["steps"])
+    return [(plan["runs"][number], steps[number]) for number in sorted(steps)]
+
+
+CHUNK = "{wildcards.chunk}"
+"""How Snakemake's messages name the job."""
+
+
+class Workflow:
+    """One plan as Snakemake sees it: receipts are the files, chunks the wildcard."""
+
+    def __init__(
+        self,
+        config: Mapping[str, Any],
+        results: Path = store.RESULTS,
+        tidy: bool = True,
+        asked: Collection[str] = (),
+    ) -> None:
+        """Open the plan that `config` names, or make it from its overrides.
+
+        Arguments
+        ---------
+        config : Snakemake's `--config`: `plan=FILE`, or `overrides="..."`, or nothing for the default studies; and
+            `tell=false` where whoever called tells the end itself; `verify=true` to read every file made before.
+        tidy : delete receipts that the store no longer honours; not when another process runs the workflow.
+        asked : words of the command line; studies that none of its targets needs are not composed.
+        """
+        self.results = results
+        self.tells = str(config.get("tell", True)).lower() != "false"
+        self.file = _plan_file(config, results, asked)
+        self.plan = planfile.load(self.file)
+        for name in sorted({*planfile.targets(self.plan), *planfile.studies()} & set(asked)):
+            planfile.target(self.plan, name)
+        self.asked = [name for name in self.plan["targets"] if name in asked] or ["all"]
+        if tidy:
+            verify = str(config.get("verify", False)).lower() == "true"
+            store.drop_broken_receipts(results, self.plan["chunks"], verify, _say)
+            publish.drop_outdated(self.plan, results, self.files())
+
+    def target(self, name: str) -> list[str]:
+        """Return the receipts a target stands for."""
+        return [self._receipt(chunk) for chunk in self.plan["targets"].get(name, ())]
+
+    def targets(self) -> list[str]:
+        """Return the parts of a run that people can ask for, the report among them."""
+        return [*planfile.targets(self.plan), "report"]
+
+    def steps(self) -> dict[str, dict[str, Any]]:
+        """Return name -> declaration of every step, the publishing of runs last; its rule, its message."""
+        publishing = {"rule": "publish_run", "message": "Publishing: {chunk}", "priority": 0}
+        declared = {**self.plan["steps"], "publish": publishing}
+        return {name: one | {"message": one["message"].format(chunk=CHUNK)} for name, one in declared.items()}
+
+    def files(self) -> dict[str, str]:
+        """Return the files of the readable views that are asked for by their paths -> the chunk that places each."""
+        return {path: names[0] for path, names in self.plan["targets"].items() if "/" in path}
+
+    @staticmethod
+    def word(chunk: str) -> str:
+        """Return the name of a chunk as a part of the name of a rule."""
+        return "".join(letter if letter.isalnum() else "_" for letter in chunk)
+
+    def studies(self) -> list[str]:
+        """Return the names of the plan's studies."""
+        return sorted({run["study"] for run in self.plan["runs"]})
+
+    def requests(self) -> list[str]:
+        """Return the targets of the runs that `all` leaves out."""
+        cards = [run["configuration"]["study"] for run in self.plan["runs"]]
+        named = {target for card in cards for target in card.get("on_request", ())}
+        return sorted(named & set(self.plan["targets"]))
+
+    def tell(self) -> None:
+        """Print which of the charges asked for missed all their goals, and where everything asked for is."""
+        if not self.tells:
+            return
+        from pipeline.commands.workflow import tell
+
+        for line in tell(self.plan, self.asked, self.results):
+            print(line)
+
+    def needs(self, chunk: str) -> list[str]:
+        """Return the receipts that must be there before a chunk runs."""
+        return [self._receipt(name) for name in self.plan["chunks"][chunk]["needs"]]
+
+    def receipt(self, step: str) -> str:
+        """Return the receipt of a step's chunks, with the wildcard `chunk`."""
+        return str(store.receipt(self.results, step, "{chunk}"))
+
+    def log(self, step: str) -> str:
+        """Return the log file of a step's chunks, with the wildcard `chunk`."""
+        return str(self.results / "logs" / step / "{chunk}.log")
+
+    def benchmark(self, step: str) -> str:
+        """Return the file of times and memory of a step's chunks, with the wildcard `chunk`."""
+        return str(self.results / "benchmarks" / step / "{chunk}.tsv")
+
+    def command(self, step: str, chunk: str, again: bool = False) -> str:
+        """Return the shell command of a job.
+
+        Arguments
+        ---------
+        again : compute what is there already, and compare.
+        """
+        words = [sys.executable, "-m", "pipeline.kernel.run", "--plan", str(self.file), "--step", step]
+        line = shlex.join([*words, "--chunk", chunk, *(["--again"] if again else [])])
+        log = shlex.quote(self.log(step).format(chunk=chunk))
+        return f"OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1 {line} > {log} 2>&1"
+
+    def _receipt(self, chunk: str) -> str:
+        return str(store.receipt(self.results, self.plan["chunks"][chunk]["step"], chunk))
+
+
+def open_workflow(config: Mapping[str, Any], tidy: bool = True) -> Workflow:
+    """Open the workflow; a person's mistake ends with one message and exit code 2, nothing written.
+
+    Which targets are asked for is read from the command line: Snakemake itself says so only after this file is read.
+    """
+    try:
+        return Workflow(config, tidy=tidy, asked=frozenset(sys.argv[1:]))
+    except UserError as error:
+        print(f"error: {error}", file=sys.stderr)
+        sys.exit(2)
+
+
+def _say(line: str) -> None:
+    print(line, file=sys.stderr, flush=True)
+
+
+def forced(rule: str, settings: Any) -> bool:
+    """Tell whether Snakemake was asked to run a rule although its receipt is there (`-F`, or `-R` with its name)."""
+    return bool(settings.forceall) or rule in {str(name) for name in settings.forcerun}
+
+
+def _plan_file(config: Mapping[str, Any], results: Path, asked: Collection[str]) -> Path:
+    unknown = set(config) - {"plan", "overrides", "tell", "verify"}
+    if unknown:
+        raise UserError(f'--config {", ".join(sorted(unknown))}: unknown; allowed are plan=FILE and overrides="..."')
+    if config.get("plan"):
+        return Path(str(config["plan"]))
+    # Composition needs Hydra; a job that is handed a plan does without.
+    from pipeline.config.compose import cards, expand
+    from pipeline.config.planning import make_plan
+
+    overrides = config.get("overrides")
+    if overrides:
+        return planfile.save(make_plan(expand(split_overrides(str(overrides))), asked), results)
+    return planfile.save(make_plan([[f"study={name}"] for name in wanted(cards(), asked)], asked), results)
+
+
+def wanted(cards: Mapping[str, Mapping[str, Any]], asked: Collection[str]) -> list[str]:
+    """Return the studies to compose: those asked for where nothing else is, else all but those that stand apart.
+
+    Arguments
+    ---------
+    cards : name of a study -> its card.
+    asked : words of the command line; those that are no targets are passed over.
+    """
+    from pipeline.config.study import reserved
+
+    requests = {target for card in cards.values() for target in card.get("on_request", ())}
+    others = {word for word in asked if word in reserved() | requests}
+    # A file of a readable view says by its path which study makes it.
+    of_files = {word.split("/")[1] for word in asked if word.split("/")[0] in ("results", "reports") and "/" in word}
+    # One that names no study, as a file of the store, may belong to any.
+    others |= of_files - set(cards)
+    asked = {*asked, *of_files}
+    named = [name for name in cards if name in asked]
+    if named and not others:
+        return named
+    return [name for name, card in cards.items() if name in asked or not card.get("apart", False)]
+
+
+def split_overrides(text: str) -> list[str]:
+    """Split the words of `--config overrides="..."` as a shell would."""
+    try:
+        return shlex.split(text)
+    except ValueError as error:
+        raise UserError(f"--config overrides={text!r}: {error}") from None

@@ -1,0 +1,64 @@
+"""From overrides to a plan: every run composed, validated, and handed to the kernel."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Iterable, Iterator, Sequence
+from dataclasses import replace
+from typing import Any
+
+from pipeline.config.compose import compose_tree
+from pipeline.config.study import study_from
+from pipeline.kernel import digest, plan
+from pipeline.kernel.draft import drafts, plain
+
+
+def make_plan(overrides: Iterable[Sequence[str]], asked: Collection[str] | None = None) -> dict[str, Any]:
+    """Compose one run for each list of overrides and join their nodes into a plan.
+
+    A study run without overrides brings the runs that it has on request.
+
+    Arguments
+    ---------
+    asked : words of the command line: targets whose runs on request are planned, all of them without; and files of
+        the readable views.
+
+    Raises
+    ------
+    UserError : a configuration that does not compose or validate, or two runs of one name.
+    """
+    runs = [run for words in overrides for run in _runs(words, asked)]
+    return plan.make(runs, asked or ())
+
+
+def run_name(overrides: Sequence[str]) -> str:
+    """Return the folder name of a run: its overrides, or `default` where it has none."""
+    words = sorted(overrides)
+    if not words:
+        return "default"
+    name = ",".join(words).replace("/", "-").replace(" ", "").replace("'", "").replace('"', "")
+    if len(name) > 100:
+        name = f"{name[:88]}-{digest.of_value(words)[:8]}"
+    return name
+
+
+def run_of(words: Sequence[str]) -> plan.Run:
+    """Compose one run."""
+    study = study_from(compose_tree(words))
+    return plan.Run(
+        study.study.name,
+        run_name(study.overrides),
+        study.overrides,
+        study.seed,
+        study.configuration,
+        plain(study.sources),
+        tuple(drafts(study)),
+    )
+
+
+def _runs(words: Sequence[str], asked: Collection[str] | None) -> Iterator[plan.Run]:
+    run = run_of(words)
+    yield run
+    requests = run.configuration["study"].get("on_request", {})
+    for target, more in requests.items() if not run.overrides else ():
+        if asked is None or target in asked or any(f"/{run.study}/{run_name(more)}/" in word for word in asked):
+            yield replace(run_of([*words, *more]), target=target)

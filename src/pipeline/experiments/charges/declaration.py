@@ -1,0 +1,182 @@
+"""What is charged: steps, nodes, checks and what others may read of them."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Mapping
+from typing import Any
+
+from pipeline.charge.comparison import compared
+from pipeline.charge.vocabulary import SUMMARY
+from pipeline.config.compose import options
+from pipeline.experiments.charges.records import ChargesPart, check_modes, prepare
+from pipeline.experiments.charges.tables import CHARGE, ENSEMBLE
+from pipeline.kernel.draft import plain
+from pipeline.kernel.experiment import FOUND, Experiment, Label, Node, Step
+from pipeline.kernel.scope import below
+from pipeline.kernel.tables import TableFile
+
+_VARIED = ("battery", "modes", "charge")
+SECOND = "second_charge"
+"""Kind of the charges of the second battery."""
+
+
+def _charge_settings(config: Any, cell: str, comparison: str, mode: str, reference: str | None) -> dict[str, Any]:
+    battery, card = getattr(config, cell), config.comparisons[comparison]
+    other = None if reference is None else config.modes[reference]
+    run = compared(config.modes[mode], other, battery, card.stops)
+    # No figure enlarges a charge of the second battery.
+    charge = config.charge if cell == "battery" else config.charge.model_copy(update={"windows": []})
+    return {
+        "battery": untitled(battery, battery.name),
+        "mode": untitled(run, mode),
+        "charge": charge,
+        "engine": config.engine,
+    }
+
+
+def _ensemble_settings(config: Any) -> dict[str, Any]:
+    ranges, followers = estimated(config.sources_below(*_VARIED))
+    return {
+        "battery": untitled(config.battery, config.battery.name),
+        "modes": {
+            name: _slowed(untitled(mode, name), config.ensemble.pulse_frequency_hz)
+            for name, mode in config.modes.items()
+        },
+        "charge": config.charge.model_copy(update={"windows": []}),
+        "engine": config.engine,
+        "ensemble": config.ensemble,
+        "ranges": ranges,
+        "followers": followers,
+        "seed": config.seed,
+        "run": config.run,
+        "comparisons": {name: card.mean_current_of for name, card in config.comparisons.items()},
+        "stops": {name: card.stops for name, card in config.comparisons.items() if card.stops is not None},
+    }
+
+
+ENGINE = Step(
+    "engine",
+    rule="compile_engine",
+    message="Engine: compiling the kernels (once for each version of their code): {chunk}",
+    shown=False,
+)
+CHARGED = Step(
+    "charge",
+    rule="charge_battery",
+    message="Charge: {chunk}",
+    settings=_charge_settings,
+    reads=("{cell}", "charge", "engine", "comparisons.{comparison}", "modes.{mode}", "modes.{reference}"),
+    takes=("engine", "supply", FOUND),
+    tables=CHARGE,
+    usual_table="summary",
+    quantities=SUMMARY,
+    target="charges",
+    chunk=(4, 12),  # loading the kernels takes as long as a charge or two
+)
+SAMPLED = Step(
+    "ensemble",
+    rule="charge_ensemble",
+    message="Charges over the ranges of estimated parameters: {chunk}",
+    settings=_ensemble_settings,
+    reads=("battery", "modes", "charge", "engine", "ensemble", "seed", "run", "comparisons"),
+    takes=("engine", "supply", FOUND),
+    tables={"ensemble": TableFile("ensemble.parquet", ENSEMBLE)},
+    shown=False,
+)
+
+
+def nodes(study: Any) -> Iterator[Node]:
+    """Yield the compiled engine, every charge, and the charges over the ranges of the estimated parameters."""
+    yield Node(ENGINE, "engine", "engine")
+    first = _charges(study, "battery")
+    if study.second_battery is None:
+        yield from first
+    else:
+        # In turn, so that a job takes one of each.
+        for pair in zip(first, _charges(study, "second_battery"), strict=True):
+            yield from pair
+    ranges, _ = estimated({path: one for path, one in study.sources.items() if below(path, _VARIED)})
+    if study.ensemble.samples and ranges:
+        shown = SAMPLED.places("published")
+        yield Node(SAMPLED, "ensemble", study.study.name, inputs=_inputs(study), shown=shown)
+
+
+def _charges(study: Any, cell: str) -> Iterator[Node]:
+    kind, prefix = ("charge", "") if cell == "battery" else (SECOND, "second")
+    for comparison, card in study.comparisons.items():
+        for mode in study.run:
+            place = "/".join(part for part in (prefix, "charge", comparison, mode) if part)
+            files = [one.file for name, one in CHARGE.items() if not prefix or name != "waveform"]
+            yield Node(
+                CHARGED,
+                f"{kind}/{comparison}/{mode}",
+                ".".join(part for part in (prefix, comparison, mode) if part),
+                {"cell": cell, "comparison": comparison, "mode": mode, "reference": card.mean_current_of},
+                inputs=_inputs(study),
+                shown={file: f"{place}.{file.removeprefix('trace.')}" for file in files},
+            )
+
+
+def _inputs(study: Any) -> dict[str, str]:
+    return {"engine": "engine"} | ({"supply": "supply"} if study.panel is not None else {})
+
+
+def estimated(sources: Mapping[str, Any]) -> tuple[dict[str, list[float]], dict[str, str]]:
+    """Return the ranges of the estimated parameters by key path, and the paths that follow one of them."""
+    ranges = {path: list(source.range) for path, source in sources.items() if source.range is not None}
+    followers = {
+        path: leader
+        for path, source in sources.items()
+        if source.same_as and (leader := f"{path.rpartition('.')[0]}.{source.same_as}") in ranges
+    }
+    return ranges, followers
+
+
+def untitled(record: Any, name: str) -> dict[str, Any]:
+    """Return a record with its name for a title: titles are for readers, and changing one must compute nothing."""
+    return {**plain(record), "title": name}
+
+
+def _slowed(tree: Any, frequency_hz: float) -> Any:
+    """Return a mode with every pulse at one frequency: also one whose frequency is yet to be found."""
+    if not isinstance(tree, dict):
+        return tree
+    slowed = {key: _slowed(value, frequency_hz) for key, value in tree.items()}
+    return slowed | {key: frequency_hz for key in tree if key.endswith("frequency_hz")}
+
+
+def _readable(study: Any) -> Iterable[str]:
+    return (f"charge/{comparison}/{mode}" for comparison in study.comparisons for mode in options("modes"))
+
+
+def _fields(study: Any) -> dict[str, dict[str, Iterable[object]]]:
+    return {"charge": {"mark": [f"{mark:g}" for mark in study.charge.soc_marks]}}
+
+
+def _knobs(config: Any) -> dict[str, Any]:
+    return {name: plain(config.modes[name].knobs) for name in config.run}
+
+
+def _cells(config: Any) -> dict[str, Any]:
+    both = (config.battery, config.second_battery)
+    return {"titles": [battery.title for battery in both if battery is not None]}
+
+
+EXPERIMENT = Experiment(
+    title="charges of a battery in every mode and comparison",
+    steps=(ENGINE, CHARGED, SAMPLED),
+    nodes=nodes,
+    part=ChargesPart,
+    parameters=("battery", "second_battery", "modes.*", "charge.initial_soc", "charge.ambient_c"),
+    refers={"run": "modes", "comparisons.*.mean_current_of": "modes"},
+    prepare=prepare,
+    checks=(check_modes,),
+    inputs=_readable,
+    fields=_fields,
+    labels={
+        "modes": Label(_knobs, ("run", "modes")),
+        "battery": Label(lambda config: plain(config.battery), ("battery",)),
+        "cells": Label(_cells, ("battery.title", "second_battery.title")),
+    },
+    tells="telling",
+)

@@ -1,0 +1,54 @@
+"""Current, voltage, SOC and temperature of two batteries under the same modes, a column for each battery."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from pipeline.experiments.charges.figures.over_time import QUANTITIES, line
+from pipeline.report import style
+from pipeline.report.records import FigureCard, NoOptions
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+    from pipeline.report.data import ReportData
+
+
+READS = ("charge", "second_charge", "cells")
+Options = NoOptions
+
+
+def draw(figure: FigureCard, data: ReportData) -> Figure:
+    """Draw every quantity over time, the modes together.
+
+    Arguments
+    ---------
+    figure : the card; its comparison is the one shown, or else the first that has charges.
+    data : the charges of both batteries.
+
+    Returns
+    -------
+    The figure, a row for each quantity, all fields on one axis of time and each row on one of its quantity.
+    """
+    drawing = style.figure(0.9 + 1.95 * len(QUANTITIES))
+    fields = drawing.subplots(len(QUANTITIES), 2, sharex=True, sharey="row", squeeze=False)
+    marks = style.marks(list(data.modes))
+    seen: set[str] = set()
+    for column, (title, cell) in enumerate(zip(data.cells, (data, data.second()), strict=True)):
+        fields[0, column].set_title(title)
+        shown = cell.shown(figure.comparison)[:1]
+        charged = cell.charged(shown[0]) if shown else []
+        for row, quantity in enumerate(QUANTITIES.values()):
+            if not charged:
+                style.nothing(fields[row, column], "no charge in this run")
+            for place, mode in enumerate(charged):
+                seen.add(mode)
+                trace = cell.charge(shown[0], mode, "trace")
+                line(fields[row, column], trace, quantity, marks[mode], min(3, len(charged) - 1 - place))
+    for row, quantity in enumerate(QUANTITIES.values()):
+        fields[row, 0].set_ylabel(quantity.label)
+    for axes in fields[-1]:
+        axes.set_xlabel("Time [h]")
+    titles = {mode: label.title for mode, label in data.modes.items()}
+    style.legend(drawing, titles, {mode: mark for mode, mark in marks.items() if mode in seen}, markers=True)
+    return drawing

@@ -1,0 +1,103 @@
+"""The section of the page on the second battery: where its charges answer otherwise, and both side by side."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+from pipeline.report.data import Columns, ReportData
+from pipeline.report.tables import JOULES_PER_WATT_HOUR, Cell, ReportTable
+
+Verdicts = Mapping[str, Any]
+MARK = 0.95
+
+
+def differing(first: Verdicts, second: Verdicts) -> list[tuple[dict[str, Any], dict[str, Any]]]:
+    """Return the rows of both tables of verdicts for the statements whose verdict is not the same."""
+    rows = {row["statement"]: row for row in _rows(first)}
+    pairs = [(rows[row["statement"]], row) for row in _rows(second)]
+    return [(one, other) for one, other in pairs if one["verdict"] != other["verdict"]]
+
+
+def summary(first: Verdicts, second: Verdicts, cells: Sequence[str]) -> str:
+    """Return in a sentence how many statements have another verdict."""
+    asked, count = len(second["statement"]), len(differing(first, second))
+    if not count:
+        same = f"have the same verdict with {cells[1]} as with {cells[0]}"
+        return f"All {asked} statements that charges alone answer {same}."
+    verb = "has" if count == 1 else "have"
+    return (
+        f"Of the {asked} statements that charges alone answer, {count} {verb} another verdict with {cells[1]} "
+        f"than with {cells[0]}."
+    )
+
+
+def statements(first: Verdicts, second: Verdicts, cells: Sequence[str]) -> ReportTable:
+    """Return the statements whose verdict differs, with what each battery's charges came to."""
+    rows = [(one["says"], one["reading"], _told(one), _told(other)) for one, other in differing(first, second)]
+    return ReportTable(
+        "second_differs",
+        "Statements with another verdict",
+        "The same conditions, tested on the charges of each battery with the same modes and supply.",
+        ("statement", "tested as", *cells),
+        tuple(rows),
+    )
+
+
+def side_by_side(data: ReportData) -> ReportTable:
+    """Return both batteries beside each other: time to 95 % SOC, peak rise, heat by path, mode by mode.
+
+    Arguments
+    ---------
+    data : charges of both batteries.
+    """
+    both = (data, data.second())
+    rows: list[tuple[Cell, ...]] = []
+    for comparison in data.shown(None):
+        for mode in data.charged(comparison):
+            title = f"{data.comparisons[comparison]}: {data.modes[mode].title}"
+            found = [_numbers(one, comparison, mode) for one in both]
+            names = dict.fromkeys(name for one in found for name in one)
+            rows += [(title, *name, *(one.get(name) for one in found)) for name in names]
+    return ReportTable(
+        "second_charges",
+        "Both batteries, charge by charge",
+        "Empty: not reached, or the battery has no such part.",
+        ("charge", "quantity", "unit", *data.cells),
+        tuple(rows),
+        grouped=True,
+    )
+
+
+def _numbers(data: ReportData, comparison: str, mode: str) -> dict[tuple[str, str], Cell]:
+    if mode not in data.charged(comparison):
+        return {}
+    found = data.quantities(comparison, mode)
+    heat = _heat(data.charge(comparison, mode, "energy"))
+    numbers: dict[tuple[str, str], Cell] = {
+        (f"time to {100 * MARK:g} % SOC", "h"): _hours(found.get(f"time_to_soc_{MARK:g}_s")),
+        ("SOC at the end", "%"): 100 * found["end_soc"] if "end_soc" in found else None,
+        ("peak temperature rise", "K"): found.get("peak_temperature_rise_k"),
+        ("energy efficiency", "%"): 100 * found["energy_efficiency"] if "energy_efficiency" in found else None,
+        ("heat, all paths", "Wh"): sum(heat.values()),
+    }
+    return numbers | {(f"heat: {path}", "Wh"): energy for path, energy in heat.items()}
+
+
+def _heat(energy: Columns) -> dict[str, float]:
+    """Return the losses by path [Wh], those that are none left out."""
+    lost = energy["role"] == "loss"
+    parts = zip(energy["path"][lost], energy["energy_j"][lost], strict=True)
+    return {str(path): float(joule) / JOULES_PER_WATT_HOUR for path, joule in parts if joule}
+
+
+def _hours(seconds: float | None) -> float | None:
+    return None if seconds is None else seconds / 3600.0
+
+
+def _rows(columns: Verdicts) -> list[dict[str, Any]]:
+    return [dict(zip(columns, row, strict=True)) for row in zip(*columns.values(), strict=True)]
+
+
+def _told(row: Mapping[str, Any]) -> str:
+    return f"{row['verdict']}: {row['explanation']}"

@@ -1,0 +1,29 @@
+"""What the terminal says at the end: which charges ended before they were where they were to go."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Iterator, Mapping
+from pathlib import Path
+from typing import Any
+
+from pipeline.experiments.charges.tables import CHARGE
+from pipeline.kernel import store, tables
+
+
+def lines(run: Mapping[str, Any], steps: Collection[str], results: Path) -> Iterator[str]:
+    """Yield a line for each charge of a run that is in the store and reached none of its goals.
+
+    Arguments
+    ---------
+    run : as the plan holds it.
+    steps : those that were asked for.
+    """
+    file = CHARGE["summary"]
+    for name, node in run["nodes"].items() if "charge" in steps else ():
+        summary = store.artefact(results, node["step"], node["key"]) / file.file
+        if node["step"] != "charge" or not summary.is_file():
+            continue
+        columns = tables.read(file.table, summary)
+        for quantity, text in zip(columns["quantity"], columns["text"], strict=True):
+            if quantity == "missed":
+                yield f"{run['study']}/{run['name']} {name}: {text}"

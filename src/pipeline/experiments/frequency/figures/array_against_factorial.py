@@ -1,0 +1,103 @@
+"""The orthogonal array's choice beside all combinations of levels, and how often it finds the best of them."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from pipeline.report import style
+from pipeline.report.records import FigureCard, NoOptions
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+    from pipeline.report.data import Columns, ReportData
+
+
+READS = ("tuning",)
+Options = NoOptions
+
+
+_KNOBS = ("c1", "c2", "w")
+
+
+def draw(figure: FigureCard, data: ReportData) -> Figure:
+    """Draw the mean result of every combination in order, and the choices' ranks over the effort.
+
+    Arguments
+    ---------
+    figure : the card.
+    data : the tuning's factorial, agreement and named numbers.
+
+    Returns
+    -------
+    The figure; it says so where no factorial was run.
+    """
+    table, numbers = data.table("tuning", "factorial"), data.numbers("tuning")
+    drawing = style.figure(4.2)
+    ranked, found = drawing.subplots(1, 2, width_ratios=(1.7, 1.0))
+    if not len(table["mean"]):
+        style.nothing(ranked, "no factorial in this run")
+        style.nothing(found, "no factorial in this run")
+    else:
+        _ranked(ranked, table, numbers)
+        _agreement(found, data.table("tuning", "agreement"), len(table["mean"]))
+    ranked.set_xlabel("Rank among all combinations [1]")
+    ranked.set_ylabel("Mean result [mW² s]")
+    found.set_xlabel("Searches behind each result [1]")
+    found.set_ylabel("Mean rank of the choice [1]")
+    return drawing
+
+
+def _ranked(axes: Axes, table: Columns, numbers: dict[str, float]) -> None:
+    order = np.argsort(table["rank"])
+    rank, mean, inside = table["rank"][order], table["mean"][order], table["in_array"][order].astype(bool)
+    blue, red = style.MARKS[0], style.MARKS[2]
+    axes.plot(
+        rank[~inside], mean[~inside], blue.marker, color=blue.colour, markerfacecolor="white", label="not in the array"
+    )
+    axes.plot(rank[inside], mean[inside], blue.marker, color=blue.colour, label="in the array")
+    for set_name, words, lift in (
+        ("published", "chosen in the paper", 120.0),
+        ("rerun", "chosen by the array here", 55.0),
+    ):
+        wanted = [numbers.get(f"{set_name}_chosen_{knob}", np.nan) for knob in _KNOBS]
+        row = np.all(
+            [np.isclose(table[knob][order].astype(float), value) for knob, value in zip(_KNOBS, wanted, strict=True)],
+            axis=0,
+        )
+        for place in np.flatnonzero(row):
+            _point_at(axes, float(rank[place]), float(mean[place]), words, wanted, lift)
+    spread = table["standard_deviation"].astype(float)
+    middle = float(np.nanmedian(spread)) if np.isfinite(spread).any() else np.nan
+    axes.set_title(f"All {len(mean)} combinations; single searches spread by {middle:.2g} mW² s")
+    axes.plot([], [], red.marker, color=red.colour, label="chosen")
+    axes.legend(loc="upper left", fontsize=9, handlelength=1.0)
+
+
+def _point_at(axes: Axes, rank: float, mean: float, words: str, knobs: list[float], lift: float) -> None:
+    red = style.MARKS[2]
+    text = f"{words}\nC1, C2, W = {', '.join(f'{value:g}' for value in knobs)}"
+    axes.plot(rank, mean, red.marker, color=red.colour, markersize=9, zorder=5)
+    axes.annotate(
+        text, (rank, mean), xytext=(-20, lift), textcoords="offset points", ha="right", va="center", fontsize=9,
+        arrowprops={"arrowstyle": "-", "color": red.colour, "linewidth": 0.8},
+    )  # fmt: skip
+
+
+def _agreement(axes: Axes, table: Columns, combinations: int) -> None:
+    effort = table["searches_per_run"]
+    curves = {"the array's level sums": table["mean_rank"], "the array's best run": table["mean_rank_of_best_run"]}
+    for (label, values), mark in zip(curves.items(), style.MARKS, strict=False):
+        axes.plot(effort, values, color=mark.colour, linestyle=mark.line, marker=mark.marker, label=label)
+    axes.axhline(0.5 * (combinations + 1), color=style.GREY, linestyle=":", label="by chance")
+    axes.axhline(1.0, color="#222222", linewidth=0.8, label="the best")
+    axes.set_xscale("log")
+    axes.set_xticks(effort, [f"{value:g}" for value in effort])
+    axes.minorticks_off()
+    axes.set_ylim(0.0, 0.62 * combinations)
+    share = table["found_share"][effort == 5] if (effort == 5).any() else table["found_share"][:1]
+    axes.set_title(f"Best combination found in {100.0 * float(share[0]):.0f} %" if len(share) else "")
+    axes.legend(loc="lower left", fontsize=9)

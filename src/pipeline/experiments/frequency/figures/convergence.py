@@ -1,0 +1,113 @@
+"""How the search converges, run by run, with many more runs as a band behind (Figures 9 and 10)."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Literal, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+from pydantic import Field
+
+from pipeline.record import Record
+from pipeline.report import style
+from pipeline.report.records import FigureCard
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+    from pipeline.report.data import ReportData
+
+
+READS = ("search",)
+
+
+class Options(Record):
+    """The course of a search."""
+
+    quantity: Literal["frequency", "ise"]
+    runs: str = Field(default="published_protocol", min_length=1, description="search whose runs are drawn one by one")
+    band: str = Field(default="swarm_published", min_length=1, description="search whose runs make the band behind")
+    oracle: str = Field(default="sweep", min_length=1, description="search whose end is where they should end")
+
+
+Array = NDArray[np.float64]
+
+_AXES = {
+    "frequency": ("position", "Best frequency so far [Hz]", "Its distance from brute force's [Hz]", "{:.2f} Hz"),
+    "ise": ("value", "Least ISE so far [mW² s]", "Its excess over brute force's [mW² s]", "{:.4f} mW² s"),
+}
+_SMALLEST = {"frequency": 1e-3, "ise": 1e-7}
+
+
+class _Runs(NamedTuple):
+    """Best so far of each replicate, shape (r, t), and of which iteration each column is."""
+
+    iteration: Array
+    values: Array
+
+
+def draw(figure: FigureCard, data: ReportData) -> Figure:
+    """Draw the runs as published, the band of many, and where brute force ends.
+
+    Arguments
+    ---------
+    figure : the card; its options choose the quantity and the two searches.
+    data : the searches' histories.
+
+    Returns
+    -------
+    The figure.
+    """
+    options = figure.chosen()
+    assert isinstance(options, Options)
+    column, label, distance_label, words = _AXES[options.quantity]
+    drawing = style.figure(4.2)
+    whole, near = drawing.subplots(1, 2)
+    band, runs = _runs(data, options.band, column), _runs(data, options.runs, column)
+    best = float(_runs(data, options.oracle, column).values[0, -1])
+    _band(whole, band)
+    _lines(whole, runs)
+    whole.axhline(best, color="#222222", linewidth=1.0, linestyle=":", label=f"brute force: {words.format(best)}")
+    whole.set_ylabel(label)
+    smallest = _SMALLEST[options.quantity]
+    for draw_runs, one in ((_band, band), (_lines, runs)):
+        draw_runs(near, one._replace(values=np.maximum(np.abs(one.values - best), smallest)))
+    near.set_yscale("log")
+    near.set_ylim(bottom=smallest)
+    near.set_ylabel(distance_label)
+    for axes in (whole, near):
+        axes.set_xlabel("Iteration [1]")
+    drawing.legend(
+        *whole.get_legend_handles_labels(), loc="outside upper center", ncols=4, fontsize=9, handlelength=1.8
+    )
+    return drawing
+
+
+def _runs(data: ReportData, search: str, column: str) -> _Runs:
+    table = data.table("search", f"{search}_history")
+    replicates = len(np.unique(table["replicate"]))
+    return _Runs(
+        table["iteration"].reshape(replicates, -1)[0].astype(float), table[column].reshape(replicates, -1).astype(float)
+    )
+
+
+def _band(axes: Axes, runs: _Runs) -> None:
+    low, high = np.quantile(runs.values, [0.05, 0.95], axis=0)
+    count = len(runs.values)
+    axes.fill_between(
+        runs.iteration, low, high, step="post", color=style.GREY, alpha=0.22, linewidth=0,
+        label=f"middle 90 % of {count} runs",
+    )  # fmt: skip
+    middle = np.median(runs.values, axis=0)
+    axes.step(runs.iteration, middle, where="post", color=style.GREY, linewidth=1.2, label="their median")
+
+
+def _lines(axes: Axes, runs: _Runs) -> None:
+    for place, values in enumerate(runs.values):
+        mark = style.MARKS[place % len(style.MARKS)]
+        label = f"{len(runs.values)} runs, as published" if place == 0 else ""
+        axes.step(
+            runs.iteration, values, where="post", color=mark.colour, linewidth=1.3, marker=mark.marker, markersize=4,
+            markevery=(place, 5), label=label,
+        )  # fmt: skip

@@ -1,0 +1,288 @@
+"""The network that commands a charger: its data, the selections of its centres, its size, its kernel."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+from pipeline.errors import UserError
+from pipeline.experiments.network.numbers import KERNELS, NETWORK, SIZES, SURFACE, fields
+from pipeline.experiments.network.records import GRADIENT_SECONDS, LONG, NetworkPart
+from pipeline.files import profiles
+from pipeline.kernel import digest
+from pipeline.kernel.experiment import Experiment, Node, Step
+from pipeline.kernel.tables import NUMBERS, Column, Table, TableFile
+
+_TEMPERATURE = Column("temperature_c", "degC", "temperature of the battery")
+
+_GRADIENT = Column("gradient", "see gradient_seconds", "its rate of change, in the data's unit")
+
+_RATE = Column("rate_c", "C-rate", "charging rate")
+
+_SURFACE = Column("surface", "", "name of the surface", "text")
+
+_METHOD = Column("method", "", "how the centres were selected", "text")
+
+_REPLICATE = Column("replicate", "1", "number of the replicate, from 0", "integer")
+
+_MSE = Column("mse", "C-rate2", "mean square error over all points of the data")
+
+_WIDTHS = (
+    Column("width_temperature", "1", "width of the kernel over the scaled temperature"),
+    Column("width_gradient", "1", "width of the kernel over the scaled gradient"),
+)
+
+SURFACE_TABLE = Table(
+    "surface",
+    "Charging rate over temperature and gradient, a row per point; `learnt` are the data the network learns",
+    (_SURFACE, _TEMPERATURE, _GRADIENT, _RATE, Column("gradient_seconds", "s", "seconds in the gradient's unit")),
+)
+
+SURFACE_AGREEMENT = Table(
+    "surface_agreement",
+    "Surfaces against the legible rows of the paper's Table II",
+    (
+        _SURFACE,
+        Column("row", "1", "number of the row in Table II", "integer"),
+        Column("certainty", "", "how well the scan can be read", "text"),
+        _TEMPERATURE,
+        _GRADIENT,
+        Column("printed_rate_c", "C-rate", "charging rate as printed"),
+        Column("computed_rate_c", "C-rate", "that of the surface"),
+        Column("consistent", "", "whether the two agree as far as the printed one is rounded", "truth"),
+    ),
+)
+
+NETWORKS = Table(
+    "networks",
+    "The best network of each method, a row per centre",
+    (
+        Column("network", "", "name of the network", "text"),
+        Column("centre", "1", "number of the centre, from 1", "integer"),
+        Column("row", "1", "its row in the data, from 1", "integer"),
+        _TEMPERATURE,
+        _GRADIENT,
+        _RATE,
+        Column("kernel", "", "name of the kernel", "text"),
+        *_WIDTHS,
+        Column("scale_temperature", "degC", "what the temperature is divided by"),
+        Column("scale_gradient", "see gradient_seconds", "what the gradient is divided by"),
+        Column("extension", "1", "radius of an extended support over the distance of the nearest centre"),
+        Column("lowest_temperature_c", "degC", "lower end of the data"),
+        Column("highest_temperature_c", "degC", "upper end of the data"),
+        Column("lowest_gradient", "see gradient_seconds", "lower end of the data"),
+        Column("highest_gradient", "see gradient_seconds", "upper end of the data"),
+        Column("gradient_seconds", "s", "seconds in the gradient's unit: 60 for K/min"),
+    ),
+)
+
+RESPONSE = Table(
+    "network_response",
+    "What the network and its neuro-fuzzy peer answer at every point of the data",
+    (
+        _TEMPERATURE,
+        _GRADIENT,
+        _RATE,
+        Column("network_c", "C-rate", "the network's answer"),
+        Column("anfis_c", "C-rate", "the neuro-fuzzy system's answer"),
+    ),
+)
+
+SELECTIONS = Table(
+    "network_selections",
+    "Error of every selection of centres, a row per method and replicate",
+    (_METHOD, _REPLICATE, _MSE, Column("evaluations", "1", "networks evaluated for it", "integer")),
+)
+
+TRIALS = Table(
+    "network_trials",
+    "The widths that were tried with each method",
+    (_METHOD, *_WIDTHS, Column("mse", "C-rate2", "mean square error, mean over the trial's replicates")),
+)
+
+HISTORY = Table(
+    "network_history",
+    "The course of the genetic algorithm, a row per replicate and generation",
+    (
+        _REPLICATE,
+        Column("generation", "1", "number of the generation; 0 is the start", "integer"),
+        Column("evaluations", "1", "networks evaluated so far", "integer"),
+        Column("best_mse", "C-rate2", "mean square error of the best string"),
+        Column("mean_mse", "C-rate2", "mean over the strings of the generation"),
+    ),
+)
+
+LEARNING = Table(
+    "anfis_learning",
+    "The neuro-fuzzy system's error over the epochs of its hybrid learning",
+    (Column("epoch", "1", "number of the epoch, from 1", "integer"), _MSE),
+)
+
+SIZES_TABLE = Table(
+    "network_sizes",
+    "Error against the number of centres, a row per number, method and replicate",
+    (
+        Column("centres", "1", "number of centres", "integer"),
+        Column("units", "1", "processing units, two a centre and one", "integer"),
+        _METHOD,
+        _REPLICATE,
+        _MSE,
+    ),
+)
+
+KERNELS_TABLE = Table(
+    "network_kernels",
+    "Error of the genetic algorithm's networks under every kernel on every surface, a row per replicate",
+    (_SURFACE, Column("kernel", "", "name of the kernel", "text"), *_WIDTHS, _REPLICATE, _MSE),
+)
+
+MADE = {
+    "surface": TableFile("surface.parquet", SURFACE_TABLE),
+    "printed": TableFile("printed.parquet", SURFACE_AGREEMENT),
+    **NUMBERS,
+}
+"""What the step `surface` writes."""
+
+SELECTED = {
+    "networks": TableFile("networks.parquet", NETWORKS),
+    "selections": TableFile("selections.parquet", SELECTIONS),
+    "trials": TableFile("trials.parquet", TRIALS),
+    "course": TableFile("history.parquet", HISTORY),
+    "response": TableFile("response.parquet", RESPONSE),
+    "learning": TableFile("learning.parquet", LEARNING),
+    **NUMBERS,
+}
+"""What the step `network` writes."""
+
+SIZED = {"sizes": TableFile("sizes.parquet", SIZES_TABLE), **NUMBERS}
+"""What the step `network_size` writes."""
+
+VARIED = {"kernels": TableFile("kernels.parquet", KERNELS_TABLE), **NUMBERS}
+"""What the step `network_kernels` writes."""
+
+
+REFERENCE = "conf/published/reference/nicd_*.csv"
+
+
+def _data(config: Any) -> dict[str, Any]:
+    """Return where the data come from; a table of a person's own stands in the key with its content."""
+    data = config.network.data
+    if data.table is None:
+        return {"data": data}
+    return {"data": data, "table_sha256": digest.of_file(Path(data.table))}
+
+
+def _selecting(config: Any) -> dict[str, Any]:
+    chosen = config.network
+    return {"form": chosen.form, "selection": chosen.selection, "anfis": chosen.anfis, "seed": config.seed}
+
+
+def _sizing(config: Any) -> dict[str, Any]:
+    chosen = config.network
+    return {"form": chosen.form, "genetic": chosen.selection.genetic, "size": chosen.size, "seed": config.seed}
+
+
+def _varying(config: Any) -> dict[str, Any]:
+    chosen = config.network
+    return {"form": chosen.form, "genetic": chosen.selection.genetic, "kernels": chosen.kernels, "seed": config.seed}
+
+
+MAKE = Step(
+    "surface",
+    rule="make_surface",
+    message="Surface: the data of the network, and what could stand in for them: {chunk}",
+    settings=_data,
+    reads=("network.data",),
+    tables=MADE,
+    quantities=SURFACE,
+    target="network",
+    chunk=(1, 8),
+    files=(REFERENCE,),
+)
+SELECT = Step(
+    "network",
+    rule="select_centres",
+    message="Network: centres selected by every method: {chunk}",
+    settings=_selecting,
+    reads=("network.form", "network.selection", "network.anfis", "seed"),
+    takes=("surface",),
+    tables=SELECTED,
+    quantities=NETWORK,
+    target="network",
+    chunk=(1, 4),
+    files=(REFERENCE,),
+    finds=True,
+)
+SIZE = Step(
+    "network_size",
+    rule="size_network",
+    priority=10,
+    message="Network size: error against the number of centres: {chunk}",
+    settings=_sizing,
+    reads=("network.form", "network.selection.genetic", "network.size", "seed"),
+    takes=("surface",),
+    tables=SIZED,
+    quantities=SIZES,
+    target="network",
+    chunk=(1, 4),
+    files=(REFERENCE,),
+)
+VARY = Step(
+    "network_kernels",
+    rule="vary_kernel",
+    priority=5,
+    message="Network kernels: error under every kernel on every surface: {chunk}",
+    settings=_varying,
+    reads=("network.form", "network.selection.genetic", "network.kernels", "seed"),
+    takes=("surface",),
+    tables=VARIED,
+    quantities=KERNELS,
+    target="network",
+    chunk=(1, 4),
+)
+
+
+def nodes(study: Any) -> Iterator[Node]:
+    """Yield the data of a study's network, its selection, and what is tried with its size and its kernel."""
+    if study.network is None:
+        return
+    yield Node(MAKE, "surface", "surface", shown=MAKE.places("surface"))
+    asked = ((SELECT, True), (SIZE, study.network.size is not None), (VARY, study.network.kernels is not None))
+    for step in (step for step, wanted in asked if wanted):
+        inputs = {"surface": "surface"}
+        yield Node(step, step.name, study.study.name, inputs=inputs, shown=step.places(step.name))
+
+
+def check(study: Any) -> None:
+    """Refuse a user's table that cannot be learnt.
+
+    Raises
+    ------
+    UserError : with the key path and the path of the file.
+    """
+    table = None if study.network is None else study.network.data.table
+    if table is None:
+        return
+    try:
+        profiles.read(Path(table), GRADIENT_SECONDS[study.network.data.gradient_unit])
+    except UserError as error:
+        raise UserError(f"network.data.table: {error}") from None
+
+
+def _found(study: Any) -> dict[str, tuple[str, ...]]:
+    return {} if study.network is None else {SELECT.name: (*study.network.selection.methods, LONG)}
+
+
+STEPS = (MAKE, SELECT, SIZE, VARY)
+EXPERIMENT = Experiment(
+    title="the network that commands a charger",
+    steps=STEPS,
+    nodes=nodes,
+    part=NetworkPart,
+    parameters=("network",),
+    checks=(check,),
+    finds=_found,
+    inputs=lambda study: () if study.network is None else [step.name for step in STEPS],
+    fields=lambda study: fields(),
+)

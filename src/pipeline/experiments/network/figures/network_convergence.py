@@ -1,0 +1,57 @@
+"""How the genetic algorithm converges: best string and mean of the population over the generations (Figure 6)."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pipeline.report import style
+from pipeline.report.records import FigureCard, NoOptions
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+    from pipeline.report.data import ReportData
+
+
+READS = ("network",)
+Options = NoOptions
+Array = NDArray[np.float64]
+
+
+def draw(figure: FigureCard, data: ReportData) -> Figure:
+    """Draw the best replicate's course, all replicates as a band, and the end of the generations that are used.
+
+    Arguments
+    ---------
+    figure : the card.
+    data : the course of the genetic algorithm.
+    """
+    table, found = data.table("network", "course"), data.numbers("network")
+    replicates = len(np.unique(table["replicate"]))
+    generation = table["generation"].reshape(replicates, -1)[0].astype(float)
+    best, mean = (table[name].reshape(replicates, -1).astype(float) for name in ("best_mse", "mean_mse"))
+    used = int(found["generations"])
+    chosen = int(np.argmin(best[:, used]))
+    drawing = style.figure(4.2)
+    axes = drawing.subplots()
+    _band(axes, generation, best, f"best of {replicates} runs, middle 90 %")
+    axes.plot(generation, np.median(best, axis=0), color=style.GREY, linewidth=1.2, label="their median")
+    axes.plot(generation, mean[chosen], color=style.MARKS[1].colour, linewidth=0.6, alpha=0.8, label="best run: mean")
+    axes.step(
+        generation, best[chosen], where="post", color=style.MARKS[0].colour, linewidth=1.8, label="best run: best"
+    )
+    axes.axvline(used, color="#222222", linewidth=0.8, linestyle=":")
+    title = f"Generation {used}: best {best[chosen, used]:.4g}, mean {mean[chosen, used]:.4g} C²"
+    axes.set(xlabel="Generation [1]", ylabel="Mean square error [C²]", yscale="log", title=title)
+    axes.set_xlim(0.0, generation[-1])
+    drawing.legend(*axes.get_legend_handles_labels(), loc="outside upper center", ncols=4, fontsize=9)
+    return drawing
+
+
+def _band(axes: Axes, generation: Array, values: Array, label: str) -> None:
+    low, high = np.quantile(values, [0.05, 0.95], axis=0)
+    axes.fill_between(generation, low, high, color=style.GREY, alpha=0.22, linewidth=0, label=label)

@@ -1,0 +1,99 @@
+"""The strings of the genetic algorithm: which rows of the data become centres, and where they lie (Figure 5)."""
+
+from __future__ import annotations
+
+import itertools
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pipeline.report import style
+from pipeline.report.records import FigureCard, NoOptions
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+    from pipeline.report.data import Columns, ReportData
+
+
+READS = ("network", "surface")
+Options = NoOptions
+_TITLES = {
+    "genetic": "genetic",
+    "genetic_long": "genetic, longer",
+    "exchange": "exchange",
+    "random_best": "best of random",
+    "greedy": "one after the other",
+    "least_squares": "least squares",
+    "medoids": "medoids",
+    "random": "random",
+    "regular": "regular",
+}
+
+
+def draw(figure: FigureCard, data: ReportData) -> Figure:
+    """Draw the best string of each method beside the temperatures of its points.
+
+    Arguments
+    ---------
+    figure : the card.
+    data : the networks, and the legible rows of the paper's Table II.
+
+    Returns
+    -------
+    The figure; the paper's own rows come last.
+    """
+    table = data.table("network", "networks")
+    names = [name for name in _TITLES if name in set(map(str, table["network"]))]
+    drawing = style.figure(1.2 + 0.42 * (len(names) + 1))
+    left, right = drawing.subplots(1, 2, sharey=True, width_ratios=[1.0, 1.15])
+    for height, name in enumerate(names):
+        rows = table["network"] == name
+        colour = style.MARKS[0].colour if name.startswith("genetic") else "#555555"
+        _string(left, height, table["row"][rows], colour)
+        _points(right, height, table["temperature_c"][rows], table["rate_c"][rows], colour)
+    _printed(left, right, len(names), data)
+    left.set_yticks(range(len(names) + 1), [*(_TITLES[name] for name in names), "Table II, as far as legible"])
+    left.set_ylim(len(names) + 0.6, -0.6)
+    left.set_xlim(0.0, 6.0 if not len(table["centre"]) else float(table["centre"].max()))
+    left.set_title("String: numbers of the points")
+    left.set_xticks([])
+    left.grid(False)
+    left.spines[["left", "bottom"]].set_visible(False)
+    left.tick_params(length=0)
+    right.set_title("Their temperatures, and rates as size")
+    right.set_xlabel("Temperature [°C]")
+    return drawing
+
+
+def _string(axes: Axes, height: int, rows: NDArray[np.int64], colour: str) -> None:
+    for place, row in enumerate(rows.tolist()):
+        axes.text(
+            place + 0.5, height, f"{row}", ha="center", va="center", fontsize=9, color=colour,
+            bbox={"boxstyle": "square,pad=0.35", "facecolor": "#f4f6f9", "edgecolor": colour, "linewidth": 0.8},
+        )  # fmt: skip
+
+
+def _points(axes: Axes, height: int, temperature: NDArray[np.float64], rate: NDArray[np.float64], colour: str) -> None:
+    """Draw points at their temperatures; the few that share one stand side by side."""
+    order = np.argsort(temperature, kind="stable")
+    shift = np.zeros(len(order))
+    for before, after in itertools.pairwise(order):
+        if temperature[after] - temperature[before] < 1.0:
+            shift[after] = shift[before] + 0.22
+    axes.scatter(
+        temperature, height + shift - shift.max() / 2, s=14.0 + 11.0 * rate, color=colour, edgecolor="white", zorder=3
+    )
+
+
+def _printed(left: Axes, right: Axes, height: int, data: ReportData) -> None:
+    if "surface" not in data.inputs:
+        return
+    table = data.table("surface", "printed")
+    rows = table["surface"] == table["surface"][0]
+    known: Columns = {name: column[rows] for name, column in table.items()}
+    _points(right, height, known["temperature_c"], known["printed_rate_c"], style.MARKS[2].colour)
+    said = "   ".join(f"{t:g} °C, {g:g}" for t, g in zip(known["temperature_c"], known["gradient"], strict=True))
+    left.text(0.05, height, said, va="center", fontsize=8.5, color=style.MARKS[2].colour)

@@ -1,0 +1,247 @@
+"""What a run is told in: the verdicts on a paper's statements, the figures, the page."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
+from importlib import import_module
+from typing import Any
+
+from pydantic import Field
+
+from pipeline.config.units import unit_of
+from pipeline.experiments.reporting.verdicts import ENSEMBLE, SECOND, answered_by_charges, of_second
+from pipeline.kernel import registry
+from pipeline.kernel.draft import paths, plain, reads_behind
+from pipeline.kernel.experiment import EVERYTHING, Draft, Experiment, Node, Step
+from pipeline.kernel.planfile import command
+from pipeline.kernel.scope import below
+from pipeline.kernel.tables import TableFile
+from pipeline.published.evaluate import VERDICTS
+from pipeline.published.records import Statement, needs
+from pipeline.record import Record
+from pipeline.report.records import FigureCard
+
+REFERENCE = "conf/published/reference/*.csv"
+
+
+class ReportingPart(Record):
+    """What a study shows, and what its paper says."""
+
+    figures: dict[str, FigureCard] = Field(default_factory=dict)
+    published: dict[str, Statement] = Field(default_factory=dict)
+
+
+def _judged(config: Any, calibrated: Any, second_calibrated: Any) -> dict[str, Any]:
+    return {
+        "statements": named(config.published),
+        "calibrated": calibrated,
+        "second_calibrated": second_calibrated,
+    }
+
+
+def _drawn(config: Any, figure: str, labels: list[str], **_: Any) -> dict[str, Any]:
+    return {"id": figure, "card": config.figures[figure], "settings": _labelled(config, labels), **_titles(config)}
+
+
+def _told(
+    config: Any,
+    figures: list[str],
+    pages: list[str],
+    labels: list[str],
+    units: Mapping[str, str],
+    made: Collection[str],
+    **_: Any,
+) -> dict[str, Any]:
+    return {
+        "study": config.study,
+        "battery": config.battery.title,
+        "figures": named({name: config.figures[name] for name in figures}),
+        "pages": pages,
+        "parameters": _parameters(config, units, made),
+        "command": command(config.study.name, config.overrides),
+        "overrides": list(config.overrides),
+        "settings": _labelled(config, labels),
+        **_titles(config),
+    }
+
+
+_TITLES = ("run", "modes.{modes}.title", "comparisons.{comparisons}.title")
+
+JUDGED = Step(
+    "verdicts",
+    rule="judge_statements",
+    message="Verdicts on the published statements: {chunk}",
+    settings=_judged,
+    reads=("published",),
+    takes=(EVERYTHING,),
+    tables={name: TableFile(f"{name}.parquet", VERDICTS) for name in ("verdicts", "second")},
+    chunk=(1, 32),
+    files=(REFERENCE,),
+)
+DRAWN = Step(
+    "figures",
+    rule="draw_figures",
+    message="Figures: {chunk}",
+    settings=_drawn,
+    reads=("figures.{figure}", "{labelled}", *_TITLES),
+    takes=(EVERYTHING,),
+    target="figures",
+    chunk=(7, 14),
+    files=("src/pipeline/report/*.mplstyle",),
+)
+TOLD = Step(
+    "page",
+    rule="write_page",
+    message="Report page: {chunk}",
+    settings=_told,
+    # Titles of the battery and the modes, and what labels read, are among the parameters.
+    reads=(
+        *("study", "overrides", "configuration", "run", "comparisons.{comparisons}.title"),
+        *("figures.{figures}", "{parameters}"),
+    ),
+    takes=(EVERYTHING, "verdicts", "figures"),
+    chunk=(1, 8),
+    files=("src/pipeline/report/templates/*", REFERENCE),
+    shown=False,
+)
+
+
+def closing(study: Any, made: Sequence[Draft]) -> Iterator[Node]:
+    """Yield the verdicts, the figures and the page of a run, from what else it makes."""
+    found = [*_verdicts(study, made), *_figures(study, made)]
+    yield from found
+    yield _page(study, made, found)
+
+
+def _verdicts(study: Any, made: Sequence[Draft]) -> Iterator[Node]:
+    if not study.published:
+        return
+    asked = {name: needs(stated) for name, stated in study.published.items()}
+    shown = {"verdicts.parquet": "published/verdicts.parquet"}
+    second: Mapping[str, Iterable[str]] | None = None
+    if study.second_battery is not None:
+        shown["second.parquet"] = "second/verdicts.parquet"
+        by_charges = answered_by_charges(study.published)
+        second = {name: {of_second(one) for one in asked[name]} for name in by_charges}
+    known = {node.name for node in made}
+    wanted = {name for names in (*asked.values(), *(second or {}).values()) for name in names} | {ENSEMBLE}
+    which = {
+        "calibrated": _calibrated(study, made, asked),
+        "second_calibrated": None if second is None else _calibrated(study, made, second),
+    }
+    inputs = {name: name for name in sorted(wanted & known)}
+    yield Node(JUDGED, "verdicts", study.study.name, which, inputs=inputs, shown=shown)
+
+
+def _calibrated(study: Any, made: Sequence[Draft], asked: Mapping[str, Iterable[str]]) -> dict[str, list[str]]:
+    """Return for each statement the parameters that were fitted to it and reach its answer, where there are any."""
+    by_name = {node.name: node for node in made}
+    found: dict[str, list[str]] = {}
+    for name, artefacts in asked.items():
+        reads = reads_behind(by_name, (one for one in artefacts if one in by_name))
+        fitted_to = f"{study.study.name}.{name}"
+        fitted = [path for path, source in study.sources.items() if source.to == fitted_to and below(path, reads)]
+        found |= {name: sorted(fitted)} if fitted else {}
+    return found
+
+
+def _figures(study: Any, made: Sequence[Draft]) -> Iterator[Node]:
+    kinds = {node.kind for node in made}
+    needed = {name for name, step in registry.steps().items() if step.needed_by_figures} | {SECOND}
+    for name, card in study.figures.items():
+        if needed & set(card.reads()) - kinds:
+            continue
+        inputs = {node.name: node.name for node in made if _wanted(node, card)}
+        labels = [label for label in card.reads() if label in registry.labels()]
+        which = {"figure": name, "labels": labels, "labelled": _label_reads(labels), **_choices(study)}
+        shown = {f"{name}.{kind}": f"figures/{name}.{kind}" for kind in ("svg", "png")}
+        yield Node(DRAWN, f"figure/{name}", name, which, inputs, shown, room="reports", modules=(card.module,))
+
+
+def _wanted(node: Draft, card: FigureCard) -> bool:
+    if node.kind not in card.reads():
+        return False
+    return node.step != "charge" or card.comparison is None or node.name.split("/")[1] == card.comparison
+
+
+def _page(study: Any, made: Sequence[Draft], found: Sequence[Node]) -> Node:
+    steps = {node.step for node in made}
+    owners = {registry.owners()[step] for step in steps}
+    pages = {name: module for name, module in registry.pages().items() if name in owners}
+    labels = list(dict.fromkeys(label for module in pages.values() for label in import_module(module).LABELS))
+    shown = {name for name, step in registry.steps().items() if step.shown}
+    inputs = [node.name for node in made if node.step in shown] + [node.name for node in found]
+    which = {
+        "figures": [node.label for node in found if node.step is DRAWN],
+        "made": sorted(steps),
+        "pages": list(pages.values()),
+        "labels": labels,
+        "parameters": list(dict.fromkeys([*study.parameter_sections(), *_label_reads(labels)])),
+        "units": _units(study, _unused(steps)),
+        **_choices(study),
+    }
+    edges = {name: name for name in inputs}
+    modules = tuple(pages.values())
+    return Node(TOLD, "page", study.study.name, which, edges, {"*": ""}, room="reports", modules=modules)
+
+
+def _unused(steps: Iterable[str]) -> list[str]:
+    """Return the parts of the configuration that only steps on demand read, which this run does not take."""
+    known = registry.steps().values()
+    asked = {path for step in known for path in step.reads if not step.on_demand or step.name in steps}
+    left = {path for step in known for path in step.reads if step.on_demand and step.name not in steps}
+    return sorted(path for path in left if "{" not in path and not below(path, asked))
+
+
+def _choices(study: Any) -> dict[str, list[str]]:
+    return {"modes": list(study.run), "comparisons": list(study.comparisons)}
+
+
+def _label_reads(labels: Iterable[str]) -> list[str]:
+    return [path for label in labels for read in registry.labels()[label].reads for path in paths(read, {})]
+
+
+def _labelled(config: Any, labels: Iterable[str]) -> dict[str, Any]:
+    return {label: registry.labels()[label].make(config) for label in labels}
+
+
+def _titles(config: Any) -> dict[str, Any]:
+    """Return what every reader of charges needs to name them."""
+    return {
+        "modes": [{"name": name, "title": config.modes[name].title} for name in config.run],
+        "comparisons": [{"name": name, "title": card.title} for name, card in config.comparisons.items()],
+    }
+
+
+def _units(study: Any, unused: Iterable[str]) -> dict[str, str]:
+    """Return the unit of every parameter that has a source, without those that this run does not use."""
+    return {path: unit_of(study, path) for path in study.sources if not below(path, unused)}
+
+
+def _parameters(config: Any, units: Mapping[str, str], made: Collection[str]) -> list[dict[str, Any]]:
+    """Return every parameter with its unit and source; what a step would find that this run leaves out, in words."""
+    values = {path: value for section in config.parameter_sections() for path, value in config.parameters(section)}
+    return [
+        {"path": path, "value": _shown(values[path], made), "unit": units[path], **plain(source)}
+        for path, source in config.sources_below(*config.parameter_sections()).items()
+        if path in units
+    ]
+
+
+def _shown(value: Any, made: Collection[str]) -> Any:
+    """Return a value, or in words a reference to one that no step of the run finds."""
+    left_out = isinstance(value, Mapping) and set(value) == {"from", "value"} and value["from"] not in made
+    return f"{value['value']} of {value['from']}" if left_out else value
+
+
+def named(records: Mapping[str, Any]) -> list[dict[str, Any]]:
+    """Return records as a list: where their order counts, it must count in the key too."""
+    return [{"name": name, **plain(record)} for name, record in records.items()]
+
+
+EXPERIMENT = Experiment(
+    title="verdicts, figures and the page",
+    steps=(JUDGED, DRAWN, TOLD),
+    part=ReportingPart,
+    closing=closing,
+)

@@ -1,0 +1,79 @@
+"""Page: every artefact of a run in; the report's page and its tables as CSV out."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from importlib import import_module
+from pathlib import Path
+from types import ModuleType
+from typing import Any
+
+from pipeline.kernel.artefacts import Inputs, Output
+from pipeline.published.evaluate import VERDICTS
+from pipeline.report import tables as report_tables
+from pipeline.report.data import report_data
+from pipeline.report.pages import PageContent, PageFigure, PageSection, Paper, render
+from pipeline.report.tables import ReportTable
+
+
+def run(settings: Mapping[str, Any], inputs: Inputs, output: Output) -> None:
+    """Write `index.html` and `tables/*.csv`."""
+    data = report_data(settings, inputs)
+    found = inputs.table("verdicts", "verdicts") if "verdicts" in inputs else None
+    verdicts: Mapping[str, Any] = found or {column.name: [] for column in VERDICTS.columns}
+    cards = {card["name"]: card for card in settings["figures"]}
+    figures = {name: _figure(card, inputs[f"figure/{name}"]) for name, card in cards.items()}
+    shown: list[ReportTable] = []
+    notes = _departure(settings["overrides"])
+    sections: list[PageSection] = []
+    for page in map(import_module, settings["pages"]):
+        own = [figures[name] for name, card in cards.items() if _owned(card, page) and not card["paper"]]
+        shown += _asked(page, "tables", data)
+        notes += _asked(page, "notes", data)
+        sections += _asked(page, "sections", data, own)
+    apart = {figure.name for section in sections for figure in section.figures}
+    listed = report_tables.listed(settings["parameters"])
+    study = settings["study"]
+    content = PageContent(
+        title=study["title"],
+        subtitle=" ".join([f"{study['question']} {settings['battery']}.", *notes]),
+        paper=Paper(study["paper"], study["doi"]),
+        verdicts=verdicts,
+        figures=[figure for name, figure in figures.items() if name not in apart],
+        tables=shown,
+        parameters=listed,
+        command=settings["command"],
+        keys={name: folder.name for name, folder in sorted(inputs.items())},
+        sections=sections,
+    )
+    (output.folder / "index.html").write_text(render(content), encoding="utf-8")
+    in_sections = [table for section in sections for table in section.tables]
+    judged = [report_tables.verdicts(verdicts)] if len(verdicts["statement"]) else []
+    _write([*shown, *in_sections, *judged, report_tables.parameters(listed)], output.folder / "tables")
+
+
+def _asked(page: ModuleType, what: str, *arguments: Any) -> list[Any]:
+    """Return what an experiment has for the page; nothing where it has none of the kind."""
+    make = getattr(page, what, None)
+    return [] if make is None else list(make(*arguments))
+
+
+def _owned(card: Mapping[str, Any], page: ModuleType) -> bool:
+    return str(card["module"]).split(".")[2] == page.__name__.split(".")[2]
+
+
+def _departure(overrides: list[str]) -> list[str]:
+    """Say in a sentence that a run is not the study's own, so that its verdicts are not taken for the paper's."""
+    return [f"This run departs from the study by {', '.join(overrides)}; so do its verdicts."] if overrides else []
+
+
+def _figure(card: Mapping[str, Any], folder: Path) -> PageFigure:
+    name = card["name"]
+    svg, png = (folder / f"{name}.svg").read_text(encoding="utf-8"), (folder / f"{name}.png").read_bytes()
+    return PageFigure(name, card["paper"], card["title"], card["caption"], svg, png, card["draw"], card["options"])
+
+
+def _write(shown: Sequence[ReportTable], folder: Path) -> None:
+    folder.mkdir()
+    for table in shown:
+        (folder / f"{table.name}.csv").write_text(report_tables.to_csv(table), encoding="utf-8")

@@ -1,0 +1,62 @@
+"""Verdicts: published statements and the artefacts that answer them in; a computed verdict on each out."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from typing import Any
+
+from pipeline.kernel.artefacts import Inputs, Output
+from pipeline.published.artefacts import Key, Lookup
+from pipeline.published.evaluate import evaluate
+from pipeline.published.records import Statement, needs
+from pipeline.published.reference import kind
+
+SECOND = "second_charge"
+"""First word of the names of the second battery's charges."""
+ENSEMBLE = "ensemble"
+"""Name of the input that holds the summaries of charges over the range of the estimated parameters."""
+
+
+def answered_by_charges(statements: Mapping[str, Statement]) -> dict[str, Statement]:
+    """Return the statements that our charges answer, and nothing else of a run."""
+    return {
+        name: stated
+        for name, stated in statements.items()
+        if stated.basis == "model" and {kind(artefact) for artefact in needs(stated)} == {"charge"}
+    }
+
+
+def of_second(artefact: str) -> str:
+    """Return the name of the second battery's charge that stands beside one of the first."""
+    return artefact.replace("charge/", f"{SECOND}/", 1)
+
+
+def in_place_of_the_first(inputs: Iterable[str]) -> dict[str, str]:
+    """Return the names that the second battery's charges take from the first's -> their own."""
+    return {f"charge/{name.partition('/')[2]}": name for name in inputs if kind(name) == SECOND}
+
+
+def samples(inputs: Inputs) -> list[dict[Key, float]]:
+    """Return the numbers of the charges' summaries in each sample of the ensemble; none without an ensemble."""
+    if ENSEMBLE not in inputs:
+        return []
+    data = inputs.table(ENSEMBLE, "ensemble")
+    found: dict[int, dict[Key, float]] = {}
+    columns = (data[name].tolist() for name in ("sample", "comparison", "mode", "quantity", "value"))
+    for sample, comparison, mode, quantity, value in zip(*columns, strict=True):
+        found.setdefault(sample, {})[f"charge/{comparison}/{mode}", "summary", quantity] = value
+    return [found[sample] for sample in sorted(found)]
+
+
+def run(settings: Mapping[str, Any], inputs: Inputs, output: Output) -> None:
+    """Judge every statement, and those that charges answer on the second battery's charges too."""
+    statements = {
+        data["name"]: Statement.model_validate({key: value for key, value in data.items() if key != "name"})
+        for data in settings["statements"]
+    }
+    calibrated = set(settings["calibrated"])
+    output.write("verdicts", evaluate(statements, Lookup(inputs), calibrated, samples(inputs)))
+    if settings["second_calibrated"] is not None:
+        second = Lookup(inputs.renamed(in_place_of_the_first(inputs)))
+        calibrated = set(settings["second_calibrated"])
+        output.write("second", evaluate(answered_by_charges(statements), second, calibrated))

@@ -1,0 +1,182 @@
+"""The search for the currents of a staged charge: each search, what they come to, the front of time and rise."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import Any
+
+from pydantic import Field
+
+from pipeline.cell.records import Battery
+from pipeline.experiments.staging.choices import check, fields, finds, plan_of, search_of
+from pipeline.experiments.staging.records import Staging
+from pipeline.experiments.staging.tables import GATHERED, SEARCH, TRADED
+from pipeline.experiments.staging.vocabulary import FRONT, SEARCHED
+from pipeline.kernel.draft import plain
+from pipeline.kernel.experiment import Experiment, Label, Node, Step
+from pipeline.record import Record
+from pipeline.search import registry
+
+
+class StagingPart(Record):
+    """The search for stage currents, and other calibrations of the battery that it is held against."""
+
+    staging: Staging | None = Field(default=None, description="search for the currents of a staged charge")
+    calibrations: dict[str, Battery] = Field(default_factory=dict, description="batteries it is repeated on, by name")
+
+
+def _search_settings(config: Any, weights: str, search: str, **_: Any) -> dict[str, Any]:
+    stages = len(plan_of(config).currents_a)
+    return {
+        "problem": _problem(config, weights),
+        "search": search_of(config.staging, search, stages).model_copy(update={"title": "search"}),
+        "evaluations": config.staging.evaluations,
+        "seed": config.seed,
+    }
+
+
+def _gathered_settings(config: Any, first: str, **_: Any) -> dict[str, Any]:
+    staging = config.staging
+    return {
+        "problem": _problem(config, first),
+        "weights": [{"name": name, **plain(pair)} for name, pair in staging.weights.items()],
+        "searches": list(staging.searches),
+        "use": staging.use,
+        "evaluations": staging.evaluations,
+        "starts": staging.starts,
+        "chords": staging.chords,
+        "seed": config.seed,
+    }
+
+
+def _front_settings(config: Any, weights: str, **_: Any) -> dict[str, Any]:
+    batteries = config.calibrations.items()
+    return {
+        "problem": _problem(config, weights),
+        "calibrations": [{"name": name, "battery": _untitled(battery)} for name, battery in batteries],
+        "front": config.staging.front,
+        "starts": config.staging.starts,
+        "seed": config.seed,
+    }
+
+
+def _problem(config: Any, weights: str) -> dict[str, Any]:
+    return {
+        "battery": _untitled(config.battery),
+        "plan": plan_of(config),
+        "current_a": config.staging.current_a,
+        "rise": config.staging.rise,
+        "weights": config.staging.weights[weights],
+    }
+
+
+def _untitled(battery: Any) -> dict[str, Any]:
+    """Return a battery with its name for a title: titles are for readers, and changing one must compute nothing."""
+    return {**plain(battery), "title": battery.name}
+
+
+_PROBLEM = (
+    *("battery", "modes.{mode}", "charge.initial_soc", "charge.ambient_c"),
+    *("staging.mode", "staging.current_a", "staging.rise", "seed"),
+)
+SEARCH_STEP = Step(
+    "staging_search",
+    rule="search_stage_currents",
+    message="Staging: searches for stage currents, with all replicates: {chunk}",
+    settings=_search_settings,
+    reads=(
+        *_PROBLEM,
+        *("staging.weights.{weights}", "staging.searches.{search}", "staging.replicates", "staging.evaluations"),
+    ),
+    tables=SEARCH,
+    target="staging",
+    chunk=(3, 3),
+    needed_by_figures=True,
+)
+GATHER_STEP = Step(
+    "staging",
+    rule="gather_stage_currents",
+    message="Staging: the best currents, and the searches against them: {chunk}",
+    settings=_gathered_settings,
+    reads=(
+        *_PROBLEM,
+        *("staging.weights", "staging.searches", "staging.use"),
+        *("staging.evaluations", "staging.starts", "staging.chords"),
+    ),
+    takes=("staging_search",),
+    tables=GATHERED,
+    quantities=SEARCHED,
+    target="staging",
+    chunk=(1, 8),
+    finds=True,
+    needed_by_figures=True,
+)
+FRONT_STEP = Step(
+    "front",
+    rule="trade_time_for_rise",
+    message="Front: charging time against temperature rise, under each calibration: {chunk}",
+    settings=_front_settings,
+    reads=(*_PROBLEM, "staging.weights.{weights}", "staging.front", "staging.starts", "calibrations"),
+    tables=TRADED,
+    quantities=FRONT,
+    target="staging",
+    chunk=(1, 8),
+    needed_by_figures=True,
+)
+
+
+def nodes(study: Any) -> Iterator[Node]:
+    """Yield every search with the first weights, the one that is used with all; what they come to; the front."""
+    if study.staging is None:
+        return
+    asked = study.staging
+    first, mode = next(iter(asked.weights)), asked.mode
+    made = [
+        _search(mode, weights, name, asked.searches[name]["kind"])
+        for weights in asked.weights
+        for name in asked.searches
+        if weights == first or name == asked.use
+    ]
+    yield from made
+    own = study.study.name
+    runs = {node.name: node.name for node in made}
+    which = {"mode": mode, "first": first}
+    yield Node(GATHER_STEP, "staging", own, which, inputs=runs, shown=GATHER_STEP.places("staging"))
+    which = {"mode": mode, "weights": first}
+    yield Node(FRONT_STEP, "front", own, which, shown=FRONT_STEP.places("front"))
+
+
+def _search(mode: str, weights: str, search: str, kind: str) -> Node:
+    return Node(
+        SEARCH_STEP,
+        f"staging_search/{weights}/{search}",
+        f"{weights}.{search}",
+        {"mode": mode, "weights": weights, "search": search},
+        shown={one.file: f"staging/{weights}/{search}.{one.file}" for one in SEARCH.values()},
+        modules=(registry.module_name(kind),),
+    )
+
+
+def _used(config: Any) -> dict[str, Any]:
+    """Return the settings of the search whose currents are charged with, without its box; nothing without one."""
+    staging = config.staging
+    if staging is None:
+        return {}
+    return dict(plain(search_of(staging, staging.use, 1).model_copy(update={"variables": {}})))
+
+
+EXPERIMENT = Experiment(
+    title="the currents of a staged charge, searched for",
+    steps=(SEARCH_STEP, GATHER_STEP, FRONT_STEP),
+    nodes=nodes,
+    part=StagingPart,
+    parameters=("staging", "calibrations.*"),
+    refers={"staging.mode": "modes"},
+    checks=(check,),
+    finds=finds,
+    inputs=lambda study: ("staging", "front") if study.staging is not None else (),
+    fields=fields,
+    labels={
+        "stage_search": Label(_used, ("staging.use", "staging.searches", "staging.replicates", "staging.current_a"))
+    },
+)

@@ -1,0 +1,61 @@
+"""How much faster the best currents are than the printed ones under each calibration, and which they are."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from pipeline.report import style
+from pipeline.report.records import FigureCard, NoOptions
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+    from pipeline.report.data import ReportData
+
+
+READS = ("front",)
+Options = NoOptions
+
+
+_HATCHES = {"peak": "", "final": "//"}
+
+
+def draw(figure: FigureCard, data: ReportData) -> Figure:
+    """Draw the time saved on the left, the currents at the same highest rise on the right.
+
+    Arguments
+    ---------
+    figure : the card.
+    data : what the calibrations come to.
+    """
+    gains, stages = data.table("front", "calibrations"), data.table("front", "calibration_stages")
+    names = [str(name) for name in dict.fromkeys(gains["calibration"])]
+    drawing = style.figure(4.0)
+    saved, currents = drawing.subplots(1, 2)
+    for place, (name, mark) in enumerate(zip(names, style.MARKS[: len(names)], strict=False)):
+        for offset, (reading, hatch) in zip((-0.2, 0.2), _HATCHES.items(), strict=True):
+            row = (gains["calibration"] == name) & (gains["rise"] == reading)
+            share = 100.0 * float(gains["saved_share"][row][0])
+            saved.barh(place + offset, share, 0.36, color=mark.colour, hatch=hatch, edgecolor="white", linewidth=0)
+            saved.text(
+                share + 0.2, place + offset, f"{share:.1f} % at the same {reading} rise", va="center", fontsize=9
+            )
+        own = stages["calibration"] == name
+        currents.plot(
+            stages["stage"][own], stages["same_peak_a"][own], color=mark.colour, linestyle=mark.line, marker=mark.marker
+        )
+    if names:
+        first = stages["calibration"] == names[0]
+        currents.plot(stages["stage"][first], stages["printed_a"][first], color=style.GREY, marker="*", markersize=9)
+        currents.text(1.25, float(stages["printed_a"][first][0]) + 0.3, "printed", color=style.GREY, fontsize=9)
+    saved.set_yticks(range(len(names)), [name.replace("_", " ") for name in names])
+    saved.invert_yaxis()
+    saved.grid(False, axis="y")
+    saved.set_xlim(0.0, 1.75 * 100.0 * float(np.max(gains["saved_share"], initial=0.01)))
+    saved.set_xlabel("Charging time saved [%]")
+    currents.set_xlabel("Stage [1]")
+    currents.set_ylabel("Current at the same highest rise [A]")
+    currents.set_ylim(bottom=0.0)
+    return drawing

@@ -1,0 +1,64 @@
+"""Where the replicates of two searches stand in time and rise, early and at the end: the paper's headline."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+from pydantic import Field
+
+from pipeline.record import Record
+from pipeline.report import style
+from pipeline.report.records import FigureCard
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+    from pipeline.report.data import ReportData
+
+
+READS = ("staging_search", "staging")
+
+
+class Options(Record):
+    """Searches for stage currents."""
+
+    weights: str = Field(min_length=1, description="name of the weights")
+    searches: dict[str, str] = Field(min_length=1, max_length=7, description="name of a search -> what it is called")
+
+
+def draw(figure: FigureCard, data: ReportData) -> Figure:
+    """Draw time and rise of every replicate, at a tenth of the charges and at all of them.
+
+    Arguments
+    ---------
+    figure : the card; its options name weights and searches.
+    data : the searches' runs.
+    """
+    options = figure.chosen()
+    assert isinstance(options, Options)
+    numbers = data.numbers("staging")
+    drawing = style.figure(4.2)
+    fields = drawing.subplots(1, 2, sharex=True, sharey=True)
+    titles, seen = {}, {}
+    for (name, title), mark in zip(options.searches.items(), style.MARKS, strict=False):
+        source = f"staging_search/{options.weights}/{name}"
+        if source not in data.inputs:
+            continue
+        runs = data.table(source, "runs")
+        for axes, early in zip(fields, ("early_", ""), strict=True):
+            _cloud(axes, runs[f"{early}time_s"], runs[f"{early}peak_k"], mark)
+        titles[name], seen[name] = title, mark
+    for axes, count in zip(fields, ("early_evaluations", "evaluations"), strict=True):
+        axes.set_title(f"after {numbers[count]:.0f} charges")
+        axes.set_xlabel("Charging time found [s]")
+    fields[0].set_ylabel("Highest temperature rise [K]")
+    style.legend(drawing, titles, seen, markers=True)
+    return drawing
+
+
+def _cloud(axes: Axes, time: np.ndarray, rise: np.ndarray, mark: style.Mark) -> None:
+    axes.plot(time, rise, mark.marker, color=mark.colour, markersize=5, alpha=0.55, linestyle="", markeredgewidth=0)
+    axes.plot([time.mean()], [rise.mean()], mark.marker, color=mark.colour, markersize=12, markerfacecolor="none",
+              markeredgewidth=2.0)  # fmt: skip

@@ -1,0 +1,76 @@
+"""The panel's current and power over voltage, for several irradiances and temperatures."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from pipeline.report import style
+from pipeline.report.records import FigureCard, NoOptions
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+    from pipeline.report.data import Columns, ReportData
+
+
+READS = ("panel",)
+Options = NoOptions
+
+
+_REFERENCE = {"irradiance_w_m2": 1000.0, "cell_temperature_c": 25.0}
+_UNITS = {"irradiance_w_m2": "W/m²", "cell_temperature_c": "°C"}
+_MAPS = {"irradiance_w_m2": "viridis_r", "cell_temperature_c": "plasma"}
+
+
+def draw(figure: FigureCard, data: ReportData) -> Figure:
+    """Draw I-V and P-V curves over irradiance and over temperature, the maximum power marked.
+
+    Arguments
+    ---------
+    figure : the card.
+    data : the panel's curves and points.
+
+    Returns
+    -------
+    The figure: irradiance on the left, temperature on the right; current above, power below.
+    """
+    drawing = style.figure(6.4)
+    fields = drawing.subplots(2, 2, sharex=True, sharey="row")
+    curves, points = data.table("panel", "curves"), data.table("panel", "points")
+    for column, (varied, kept) in enumerate(
+        [("irradiance_w_m2", "cell_temperature_c"), ("cell_temperature_c", "irradiance_w_m2")]
+    ):
+        at = _nearest(points[kept], _REFERENCE[kept])
+        fields[0, column].set_title(f"at {at:g} {_UNITS[kept]}")
+        _family(fields[0, column], curves, points, varied, kept, at, "current_a", "max_power_current_a")
+        _family(fields[1, column], curves, points, varied, kept, at, "power_w", "max_power_w")
+        fields[1, column].set_xlabel("Panel voltage [V]")
+    fields[0, 0].set_ylabel("Panel current [A]")
+    fields[1, 0].set_ylabel("Panel power [W]")
+    for axes in fields.ravel():
+        axes.set_ylim(bottom=0.0)
+        axes.set_xlim(left=0.0)
+    return drawing
+
+
+def _nearest(values: np.ndarray, wanted: float) -> float:
+    return float(values[np.argmin(np.abs(values - wanted))])
+
+
+def _family(
+    axes: Axes, curves: Columns, points: Columns, varied: str, kept: str, at: float, quantity: str, peak: str
+) -> None:
+    import matplotlib
+
+    values = np.unique(points[varied][points[kept] == at])
+    shades = matplotlib.colormaps[_MAPS[varied]](np.linspace(0.15, 0.85, len(values)))
+    for value, shade in zip(values, shades, strict=True):
+        rows = (curves[kept] == at) & (curves[varied] == value)
+        axes.plot(curves["voltage_v"][rows], curves[quantity][rows], color=shade, label=f"{value:g} {_UNITS[varied]}")
+        point = (points[kept] == at) & (points[varied] == value)
+        axes.plot(points["max_power_voltage_v"][point], points[peak][point], "o", color=shade, markeredgecolor="white")
+    if quantity == "power_w":
+        axes.legend(loc="upper left", reverse=varied == "irradiance_w_m2", handlelength=1.6, fontsize=9)

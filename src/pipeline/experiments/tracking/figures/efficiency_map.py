@@ -1,0 +1,100 @@
+"""The efficiency of both converters over load, their losses by path, and the switches' answer."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from pipeline.report import style
+from pipeline.report.records import FigureCard, NoOptions
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+    from pipeline.report.data import Columns, ReportData
+
+
+READS = ("converters",)
+Options = NoOptions
+
+
+_PATHS = {
+    "switch_w": "switch",
+    "rectifier_w": "rectifier",
+    "winding_w": "inductor winding",
+    "core_w": "inductor core",
+    "capacitor_w": "output capacitor",
+    "switching_w": "switching",
+    "control_w": "control",
+}
+_VARIED = {"boost": ("source_v", "panel"), "buck": ("sink_v", "battery")}
+
+
+def draw(figure: FigureCard, data: ReportData) -> Figure:
+    """Draw efficiency over input power for some voltages, and below it the losses at the middle one.
+
+    Arguments
+    ---------
+    figure : the card.
+    data : the converters' efficiency.
+
+    Returns
+    -------
+    The figure, the boost converter on the left; it says so where the run does not know the parts.
+    """
+    drawing = style.figure(6.2)
+    if "converters" not in data.inputs:
+        style.nothing(
+            drawing.subplots(),
+            "the converters are known by their efficiency alone",
+            "Input power [W]",
+            "Efficiency [%]",
+        )
+        return drawing
+    fields = drawing.subplots(2, 2, sharex="col", sharey="row")
+    found = data.table("converters", "efficiency")
+    check = data.table("converters", "check")
+    for column, which in enumerate(_VARIED):
+        own = {name: values[found["converter"] == which] for name, values in found.items()}
+        if len(own["power_w"]) == 0:
+            style.nothing(fields[0, column], "not possible at these voltages")
+            continue
+        seen = {name: values[check["converter"] == which] for name, values in check.items()}
+        _efficiency(fields[0, column], own, seen, which)
+        _losses(fields[1, column], own, which)
+        fields[1, column].set_xlabel("Input power [W]")
+    fields[0, 0].set_ylabel("Efficiency [%]")
+    fields[1, 0].set_ylabel("Losses [% of the input]")
+    handles, labels = fields[1, 1].get_legend_handles_labels()
+    drawing.legend(handles, labels, loc="outside lower center", ncols=4)
+    return drawing
+
+
+def _efficiency(axes: Axes, own: Columns, seen: Columns, which: str) -> None:
+    name, words = _VARIED[which]
+    voltages = np.unique(own[name])
+    for voltage, mark in zip(voltages, style.MARKS, strict=False):
+        at = own[name] == voltage
+        label = f"{words} at {voltage:.1f} V"
+        axes.semilogx(
+            own["power_w"][at], 100.0 * own["efficiency"][at], color=mark.colour, linestyle=mark.line, label=label
+        )
+    axes.semilogx(
+        seen["power_w"], 100.0 * seen["averaged"], color=style.GREY, linewidth=1.0, label="conduction alone, averaged"
+    )
+    axes.semilogx(
+        seen["power_w"], 100.0 * seen["switched"], "x", color=style.GREY, label="conduction alone, switch by switch"
+    )
+    axes.set_title(f"{which.capitalize()} converter")
+    axes.set_ylim(70.0, 100.0)
+    axes.legend(fontsize=8.5, loc="lower right")
+
+
+def _losses(axes: Axes, own: Columns, which: str) -> None:
+    name, _ = _VARIED[which]
+    voltages = np.unique(own[name])
+    at = own[name] == voltages[len(voltages) // 2]
+    parts = [100.0 * own[path][at] / own["power_w"][at] for path in _PATHS]
+    axes.stackplot(own["power_w"][at], parts, labels=list(_PATHS.values()), colors=style.PARTS)

@@ -1,0 +1,127 @@
+"""From the headings of a table to quantities and their units."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+from typing import Any, NamedTuple
+
+from pipeline.errors import UserError, best_matches
+from pipeline.file_record import OwnFile
+from pipeline.files import units
+from pipeline.files.numbers import bare, plain
+from pipeline.files.quantities import UNCLEAR, Quantity
+from pipeline.files.table import Table
+from pipeline.files.units import Unit
+
+
+class Found(NamedTuple):
+    """Heading of each quantity that a table holds, and those that may be one and are not taken, as sentences."""
+
+    headings: Mapping[str, str]
+    open: tuple[str, ...]
+    said: tuple[str, ...]
+
+
+def match(table: Table, own: OwnFile, wanted: Sequence[Quantity], key: str) -> Found:
+    """Find the columns of quantities: those a person names, then the exact name, then what it is usually called.
+
+    Arguments
+    ---------
+    table, own : the table, and its record with `columns`.
+    wanted : the quantities that may be there.
+    key : key path of the record with a dot behind, for messages.
+
+    Raises
+    ------
+    UserError : a named column that is not there.
+    """
+    headings: dict[str, str] = {}
+    unclear: list[str] = []
+    said: list[str] = []
+    taken = {own.columns.get(name) for name in ("time", "time_s", "date")}
+    free = [name for name in table.columns if name not in taken]
+    for quantity in wanted:
+        named = own.columns.get(quantity.name) or own.columns.get(quantity.alias)
+        if named is not None:
+            if named not in table.columns:
+                raise UserError(
+                    f"{table.path}: no column {named!r}, which {key}columns.{quantity.name} names; "
+                    f"{best_matches(named, table.columns)}"
+                )
+            headings[quantity.name] = named
+            continue
+        candidates = _candidates(quantity, free)
+        if len(candidates) == 1:
+            headings[quantity.name] = candidates[0]
+        elif candidates:
+            listed = ", ".join(map(repr, candidates))
+            unclear.append(
+                f"the columns {listed} may all be the {quantity.meaning}; say which, "
+                f"{spelled(key, quantity.name, candidates[0])}"
+            )
+    for name, heading in headings.items():
+        if heading != name:
+            said.append(f"column {heading!r} is {name}")
+    return Found(headings, tuple(unclear), tuple(said))
+
+
+def _candidates(quantity: Quantity, free: Iterable[str]) -> list[str]:
+    names = list(free)
+    for fits in (
+        lambda name: name == quantity.name,
+        lambda name: name == quantity.alias,
+        lambda name: plain(name) in quantity.words,
+        lambda name: bare(name) in quantity.words,
+    ):
+        found = [name for name in names if fits(name)]
+        if found:
+            return found
+    return []
+
+
+def unclear_light(table: Table) -> list[str]:
+    """Return headings of light that do not say on which plane it falls."""
+    return [name for name in table.columns if plain(name) in UNCLEAR or bare(name) in UNCLEAR]
+
+
+def spelled(key: str, name: str, heading: str) -> str:
+    """Return an override that names a column, as it is typed in a shell."""
+    word = f'{key}columns={{{name}: "{heading}"}}'
+    return f"'{word}'"
+
+
+def unit_of(table: Table, own: OwnFile, quantity: Quantity, heading: str, key: str) -> tuple[Unit, str | None]:
+    """Return the unit of a column, and how it was found where it is not the usual one.
+
+    Raises
+    ------
+    UserError : a unit that is not known, or none where one is needed.
+    """
+    named = own.units.get(quantity.name) or own.units.get(quantity.alias)
+    if named is not None:
+        return units.wanted(named, quantity.dimension, quantity.name), f"{heading!r} is in {named}"
+    if heading == quantity.name:
+        return Unit(1.0), None
+    written = table.units.get(heading) or units.split(heading)[1]
+    if written:
+        found = units.unit(written.strip("[]()"), quantity.dimension)
+        if found is not None:
+            usual = found == Unit(1.0)
+            return found, None if usual else f"{heading!r} is in {written}"
+        if any(mark in written for mark in "/²^°") or units.is_unit(written):
+            known = ", ".join(sorted(units.known(quantity.dimension)))
+            raise UserError(
+                f"{table.path}: column {heading!r}: unit {written!r}; allowed is one of {known}; or say it, "
+                f"'{key}units={{{quantity.name}: {quantity.unit}}}'"
+            )
+    if not quantity.assumed:
+        raise UserError(
+            f"{table.path}: column {heading!r} says no unit, and it may be power or energy; say it, "
+            f"'{key}units={{{quantity.name}: W}}', or kW, Wh, kWh"
+        )
+    return Unit(1.0), None
+
+
+def pick(cells: Sequence[Any], rows: Iterable[int]) -> list[Any]:
+    """Return cells of some rows."""
+    return [cells[row] for row in rows]

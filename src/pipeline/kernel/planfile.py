@@ -1,0 +1,71 @@
+"""The plan as a file: what the jobs and the workflow read; light, so that no job imports Hydra or an experiment."""
+
+from __future__ import annotations
+
+import json
+import shlex
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+from pipeline.kernel import digest, store
+from pipeline.kernel.errors import UserError
+
+VERSION = 2
+
+
+def save(plan: Mapping[str, Any], results: Path) -> Path:
+    """Write the plan under its digest, unless it is there as it should be; return the file."""
+    path = results / "plan" / f"{digest.of_value(plan)[:16]}.json"
+    text = json.dumps(plan, indent=1, ensure_ascii=False, allow_nan=False)
+    # One that was cut short or edited is written anew.
+    if not path.is_file() or path.read_bytes() != text.encode():
+        store.write_text(path, text)
+    return path
+
+
+def load(path: Path) -> dict[str, Any]:
+    """Read a plan; raise `UserError` where there is none."""
+    try:
+        plan: dict[str, Any] = json.loads(path.read_text())
+    except FileNotFoundError:
+        raise UserError(f"plan {path}: no such file") from None
+    except ValueError as error:
+        raise UserError(f"plan {path}: not JSON ({error}); make it anew with --config overrides=...") from None
+    if not isinstance(plan, dict) or plan.get("version") != VERSION or not {"runs", "nodes", "chunks"} <= set(plan):
+        raise UserError(f"plan {path}: not a plan of version {VERSION}; make it anew with --config overrides=...")
+    return plan
+
+
+def target(plan: Mapping[str, Any], name: str) -> list[str]:
+    """Return the chunks that a target stands for.
+
+    Raises
+    ------
+    UserError : the plan has no such target; those it has are named.
+    """
+    targets: dict[str, list[str]] = plan["targets"]
+    if name in targets:
+        return targets[name]
+    planned = ", ".join(dict.fromkeys(run["study"] for run in plan["runs"]))
+    if name in studies():
+        raise UserError(f"target {name!r}: not planned, {planned} is; choose the study with study={name}")
+    raise UserError(f"target {name!r}: {planned} has no such part; it has: {', '.join(targets)}")
+
+
+def targets(plan: Mapping[str, Any]) -> list[str]:
+    """Return the parts of a run that people can ask for, each step's target once."""
+    return list(dict.fromkeys(step["target"] for step in plan["steps"].values() if step["target"] is not None))
+
+
+def studies() -> list[str]:
+    """Return the names of all studies."""
+    return sorted(path.stem for path in (digest.PROJECT / "conf" / "study").glob("*.yaml"))
+
+
+def command(study: str, overrides: Sequence[str]) -> str:
+    """Return the command that makes a run of a study."""
+    if not overrides:
+        return f"snakemake --cores 2 {study}"
+    words = " ".join([f"study={study}", *(shlex.quote(word) for word in overrides)])
+    return f"snakemake --cores 2 all --config overrides={shlex.quote(words)}"

@@ -1,0 +1,111 @@
+"""What a statement may name: inputs, tables and numbers, as the experiments declare them; checked when planned."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from functools import cache
+from typing import Any
+
+from pipeline.errors import UserError, best_matches
+from pipeline.kernel import registry
+from pipeline.kernel.experiment import Step
+from pipeline.kernel.tables import TableFile, find
+from pipeline.published.operands import Value
+from pipeline.published.records import read_tables, read_values
+from pipeline.published.reference import PRINTED, is_named, kind, reference_tables
+
+
+def check_statements(study: Any) -> None:
+    """Refuse a statement that names something the study cannot make, and a source calibrated to no statement.
+
+    Arguments
+    ---------
+    study : the root record of the configuration.
+
+    Raises
+    ------
+    UserError : an unknown input, mode, comparison, table, quantity or identifier, with the best matches.
+    """
+    known = _Known(study)
+    for name, stated in study.published.items():
+        for value in read_values(stated):
+            known.check_value(name, value)
+        for pair in read_tables(stated):
+            known.check_table(name, pair.published)
+            known.check_table(name, pair.computed)
+    own = f"{study.study.name}."
+    fitted = {source.to for source in study.sources.values() if source.to is not None}
+    for identifier in sorted(name.removeprefix(own) for name in fitted if name.startswith(own)):
+        if identifier not in study.published:
+            raise UserError(
+                f"a source is calibrated to {identifier!r}, which no published statement is called; "
+                + best_matches(identifier, study.published)
+            )
+
+
+class _Known:
+    """What a study could make, also with modes that this run leaves out."""
+
+    def __init__(self, study: Any) -> None:
+        experiments = registry.experiments().values()
+        references = {f"{PRINTED}/{path.stem}" for path in reference_tables()}
+        self.inputs = {name for one in experiments for name in one.inputs(study)} | references
+        self._fields = {step: fields for one in experiments for step, fields in one.fields(study).items()}
+        self._numbers = cache(self._named)
+
+    def check_table(self, statement: str, path: str) -> None:
+        """Refuse a table that nothing makes."""
+        artefact, _, table = path.rpartition(".")
+        if artefact not in self.inputs:
+            raise UserError(f"published.{statement}: {self._unknown_input(artefact)}")
+        if kind(artefact) == PRINTED:
+            known: Iterable[str] = {artefact.split("/")[-1]}
+            if table in known:
+                return
+        elif _declared(artefact, table) is not None:
+            return
+        else:
+            known = _step(artefact).tables
+        raise UserError(f"published.{statement}: {artefact} has no table {table!r}; {best_matches(table, known)}")
+
+    def check_value(self, statement: str, value: Value) -> None:
+        """Refuse a column or a number that nothing makes."""
+        self.check_table(statement, f"{value.artefact}.{value.table}")
+        declared = _declared(value.artefact, value.table)
+        if declared is None:
+            return
+        if is_named(declared.table):
+            known, names = self._numbers(kind(value.artefact)), [value.quantity]
+        else:
+            known, names = {column.name for column in declared.table.columns}, [value.quantity, *value.where]
+        for name in names:
+            if known is not None and name not in known:
+                raise UserError(
+                    f"published.{statement}: {value.artefact}.{value.table} has nothing called {name!r}; "
+                    + best_matches(name, known)
+                )
+
+    def _named(self, of: str) -> set[str] | None:
+        """Return the names of the numbers of a kind of input; none where this run does not say what they are."""
+        step = _step(of)
+        fields: Mapping[str, Iterable[object]] | None = self._fields.get(step.name)
+        return None if step.quantities is None or fields is None else step.quantities.names(fields)
+
+    def _unknown_input(self, artefact: str) -> str:
+        """Say which part of a name is unknown, where those before it are known."""
+        parts = artefact.split("/")
+        alike = [name.split("/") for name in self.inputs]
+        for place, part in enumerate(parts):
+            known = {one[place] for one in alike if len(one) == len(parts)}
+            if place and known and part not in known:
+                return f"unknown {part!r} in {artefact}; {best_matches(part, known)}"
+            alike = [one for one in alike if one[place : place + 1] == [part]]
+        return f"unknown input {artefact!r}; {best_matches(artefact, self.inputs)}"
+
+
+def _step(artefact: str) -> Step:
+    return registry.steps()[kind(artefact)]
+
+
+def _declared(artefact: str, table: str) -> TableFile | None:
+    return None if kind(artefact) == PRINTED else find(_step(artefact).tables, table)

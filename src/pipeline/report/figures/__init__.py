@@ -1,1 +1,0 @@
-"""The figures, a module each with one public function `draw`."""

@@ -1,1 +1,0 @@
-"""One thin module per step: artefacts in, domain calls, artefacts out."""

@@ -1,1 +1,0 @@
-"""What the engine is held against: closed forms, its own convergence, state functions, independent codes."""

@@ -1,0 +1,94 @@
+"""`compare` reads what is on disk: damage at rest is told, and where two tables differ."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import pyarrow as pa
+import pyarrow.parquet as pq
+import pytest
+
+from pipeline.__main__ import main
+from pipeline.kernel import digest
+
+
+def _run(root: Path, values: list[float]) -> Path:
+    folder = root / "results" / "study" / "run"
+    folder.mkdir(parents=True)
+    pq.write_table(pa.table({"Voltage / V": values}), folder / "trace.parquet")
+    (folder / "found.json").write_text("{}\n")
+    shown = [
+        {"path": f"results/study/run/{name}", "sha256": digest.of_file(folder / name)}
+        for name in ("trace.parquet", "found.json")
+    ]
+    (folder / "manifest.json").write_text(json.dumps({"study": "study", "run": "run", "artefacts": shown}))
+    return folder
+
+
+@pytest.fixture
+def runs(tmp_path: Path) -> tuple[Path, Path]:
+    return _run(tmp_path / "a", [1.0, 2.0, 4.0]), _run(tmp_path / "b", [1.0, 2.0, 4.0])
+
+
+def _compare(*words: object) -> int:
+    return main(["compare", *map(str, words)])
+
+
+def test_equal_runs_are_equal(runs: tuple[Path, Path], capsys: pytest.CaptureFixture[str]) -> None:
+    assert _compare(*runs) == 0
+    assert _compare(*(run.parents[1] for run in runs)) == 0
+    assert "2 artefacts equal, 0 differ" in capsys.readouterr().out
+
+
+def test_a_changed_value_is_told_with_column_row_and_size(
+    runs: tuple[Path, Path], tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert _compare(runs[0], _run(tmp_path / "c", [1.0, 2.5, 4.0])) == 1
+    told = capsys.readouterr().out
+    assert "differs   results/trace.parquet" in told
+    assert "column 'Voltage / V', row 1: 2.0 and 2.5; 1 rows differ, largest relative difference 0.2" in told
+
+
+@pytest.mark.parametrize("fault", ["flipped", "truncated", "empty", "replaced", "missing"])
+def test_damage_at_rest_is_told_and_the_manifest_alone_is_not_believed(
+    fault: str, runs: tuple[Path, Path], capsys: pytest.CaptureFixture[str]
+) -> None:
+    victim = runs[1] / "trace.parquet"
+    content = victim.read_bytes()
+    if fault == "missing":
+        victim.unlink()
+    else:
+        flipped = content[:20] + bytes([content[20] ^ 1]) + content[21:]
+        victim.write_bytes({"flipped": flipped, "truncated": content[:-9], "empty": b"", "replaced": b"x"}[fault])
+    assert _compare(*runs) == 1
+    told = capsys.readouterr().out
+    assert "differs   results/trace.parquet" in told
+    assert str(victim) in told
+    assert _compare(*runs, "--trust-manifest") == 0
+    assert "no artefact was read" in capsys.readouterr().out
+
+
+def test_the_same_damage_on_both_sides_is_told(runs: tuple[Path, Path]) -> None:
+    for run in runs:
+        (run / "found.json").write_text("[]\n")
+    assert _compare(*runs) == 1
+
+
+def test_an_artefact_on_one_side_only_is_told(runs: tuple[Path, Path], capsys: pytest.CaptureFixture[str]) -> None:
+    manifest = json.loads((runs[1] / "manifest.json").read_text())
+    manifest["artefacts"].pop()
+    (runs[1] / "manifest.json").write_text(json.dumps(manifest))
+    assert _compare(*runs) == 1
+    assert f"only in {runs[0]}: results/found.json" in capsys.readouterr().out
+
+
+@pytest.mark.parametrize("text", ["{", "[1]", "{}", '{"artefacts": [{"path": "x"}]}'])
+def test_a_damaged_manifest_ends_in_one_message(
+    text: str, runs: tuple[Path, Path], capsys: pytest.CaptureFixture[str]
+) -> None:
+    (runs[1] / "manifest.json").write_text(text)
+    assert _compare(*runs) == 2
+    told = capsys.readouterr().err
+    assert "run the study again" in told
+    assert told.count("\n") == 1

@@ -1,0 +1,27 @@
+# What people can ask for beside `all`: parts of a run, each study by its name, any file by its path.
+for name in [*flow.targets(), *flow.studies(), *flow.requests()]:
+
+    rule:
+        name:
+            name
+        input:
+            flow.target(name),
+
+
+for path, chunk in flow.files().items():
+
+    rule:
+        name:
+            f"place_{flow.word(chunk)}"
+        input:
+            ancient(flow.needs(chunk)),
+        output:
+            path,
+        log:
+            flow.log("publish").format(chunk=chunk),
+        params:
+            command=flow.command("publish", chunk),
+        message:
+            f"Placing: {path}"
+        shell:
+            "{params.command}"
