@@ -23,8 +23,8 @@ from pipeline.day import columns
 from pipeline.day.charge import DayCharge, Surroundings, charge_over_day
 from pipeline.day.sunlight import Sunlight, in_closed_loop, sunlight
 from pipeline.panel.single_diode import SingleDiode, fit
-from pipeline.tracker.capture import Source
-from pipeline.weather.sky import Sky, sky_of
+from pipeline.tracker.loop import Source
+from pipeline.weather.clear_sky import Sky, sky_of
 
 PACKAGES = ("numba", "pvlib")
 ASKED_S, ASKED = 2.0, Figure(1.0)

@@ -19,7 +19,7 @@ import yaml
 
 from pipeline.config.sources import split
 from pipeline.experiments.network.records import NetworkStudy
-from pipeline.experiments.network.surfaces import every_surface
+from pipeline.experiments.network.sources import every_surface
 from pipeline.grnn.error import Form
 from pipeline.grnn.selection import genetic
 from pipeline.grnn.selection.problem import Problem, problem_of

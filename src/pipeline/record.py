@@ -1,8 +1,11 @@
-"""The base of every parameter record: frozen, strict about its keys, finite in its numbers."""
+"""The base of every parameter record, frozen and strict about its keys; and the record of a person's own file."""
 
 from __future__ import annotations
 
-from pydantic import BaseModel, ConfigDict, Field
+from collections.abc import Mapping
+from typing import Annotated, Literal, TypeAlias
+
+from pydantic import BaseModel, ConfigDict, Field, field_validator
 
 
 class Record(BaseModel):
@@ -20,3 +23,75 @@ class Reference(Record):
 
 Number = float | Reference
 """A number written in the configuration, or a reference to one that is found."""
+
+
+NOT_GIVEN = "not given"
+"""How the source of a value begins that stands in the place of one that a data sheet leaves out."""
+
+FileOffset: TypeAlias = Annotated[
+    float | None,
+    Field(
+        ge=-12,
+        le=14,
+        description="local time less universal time, for a file whose times carry an offset; without, they are local "
+        "as they stand there [h]",
+    ),
+]
+"""The key `utc_offset_h` of a record that names a file."""
+
+Label: TypeAlias = Literal["auto", "start", "middle", "end"]
+"""Where in its interval a row's time stands; `auto`: as the format has it, the end where 24:00 occurs, or the start."""
+
+
+class OwnFile(Record):
+    """How a person's own file is read; what it does not say is found in the file, and told."""
+
+    file: str = Field(description="CSV, Parquet or Excel file, compressed or not; relative to the working folder")
+    sheet: str | None = Field(default=None, description="sheet of an Excel file, or file of a zip archive")
+    columns: dict[str, str] = Field(default_factory=dict, description="quantity -> heading of its column in the file")
+    units: dict[str, str] = Field(
+        default_factory=dict, description="quantity -> its unit in the file, over the heading"
+    )
+    decimal: Literal["auto", ".", ","] = Field(default="auto", description="decimal sign of a text file")
+    label: Label = Field(default="auto", description="what a row's time is of its interval: start, middle or end")
+    time_format: str | None = Field(default=None, description="how times are written, as %d/%m/%Y %H:%M of strptime")
+    time_zone: str | None = Field(
+        default=None,
+        description="zone of times that carry no offset, as Europe/Berlin with its daylight saving, or UTC",
+    )
+    utc_offset_h: FileOffset = None
+    missing: tuple[str, ...] = Field(
+        default=(), description="what stands where nothing was measured, as -999; such rows are gaps"
+    )
+
+    @field_validator("columns", "units", mode="before")
+    @classmethod
+    def _without_empty(cls, value: object) -> object:
+        """Leave out quantities of which nothing is said, which stand in a configuration to be overridden."""
+        if isinstance(value, Mapping):
+            return {key: one for key, one in value.items() if one is not None}
+        return {} if value is None else value
+
+    @field_validator("missing", mode="before")
+    @classmethod
+    def _as_text(cls, value: object) -> object:
+        given = [] if value is None else value
+        return (
+            [str(one) if isinstance(one, int | float) else one for one in given]
+            if isinstance(given, list | tuple)
+            else given
+        )
+
+    @field_validator("time_zone")
+    @classmethod
+    def _known_zone(cls, value: str | None) -> str | None:
+        if value is None:
+            return None
+        import zoneinfo
+
+        from pipeline.errors import best_matches
+
+        known = zoneinfo.available_timezones()
+        if value not in known:
+            raise ValueError(f"time_zone is {value!r}, which is none of the IANA zones; {best_matches(value, known)}")
+        return value

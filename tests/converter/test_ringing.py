@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from pipeline.converter.ringing import edges
+from pipeline.converter.switched import edges
 
 PERIOD_S = 1e-5
 

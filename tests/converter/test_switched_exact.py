@@ -6,10 +6,8 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
-from pipeline.converter.discontinuous import discontinuous_point
-from pipeline.converter.steady import steady_state, trace
-from pipeline.converter.switched import follow, gains, run_buck, start
-from pipeline.converter.switched_quantities import of_boost, operating_point
+from pipeline.converter.steady import discontinuous_point, steady_state, trace
+from pipeline.converter.switched import follow, gains, of_boost, operating_point, run_buck, start
 from pipeline.converter.topologies import (
     BLOCKED,
     CAPACITOR,

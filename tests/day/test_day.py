@@ -6,8 +6,7 @@ import pytest
 from pipeline.bus.flows import ENDED, MODE_1, MODE_2, OFF
 from pipeline.charge.records import ChargeSettings, EngineSettings
 from pipeline.charge.simulate import Supply, simulate
-from pipeline.day.charge import charge_over_day
-from pipeline.day.legs import still_to_run
+from pipeline.day.charge import charge_over_day, still_to_run
 from tests.charge.samples import BATTERIES, MODES, SUITED, battery, suited_mode
 from tests.day.samples import BATTERY, CONDITIONS, HOUR, day, mode, sun
 
@@ -183,7 +182,7 @@ def test_every_battery_in_every_mode(cell, name):
 
 def test_what_is_still_to_run_counts_what_was_run():
     from pipeline.charge.protocol import resolve
-    from pipeline.day.legs import Place
+    from pipeline.day.charge import Place
 
     sheet = resolve(mode("cv_reflex_hourly"), 7.0)
     rest = still_to_run(sheet, Place(course=3, used_s=1000.0), 5e4)

@@ -9,8 +9,8 @@ from typing import Any
 import yaml
 
 from pipeline.report import style
-from pipeline.report.data import ReportData
 from pipeline.report.records import FigureCard
+from pipeline.report.tables import ReportData
 
 CONF = Path(__file__).parents[2] / "conf"
 

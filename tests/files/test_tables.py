@@ -8,13 +8,12 @@ import pyarrow.parquet as pq
 import pytest
 
 from pipeline.errors import UserError
-from pipeline.file_record import OwnFile
-from pipeline.files.clock import clock_of
+from pipeline.files.cells import number
+from pipeline.files.clock import clock_of, placed
 from pipeline.files.moments import MDY, moment
-from pipeline.files.numbers import number
 from pipeline.files.read import table
 from pipeline.files.weather import weather_day, weather_rows
-from pipeline.files.zones import placed
+from pipeline.record import OwnFile
 from pipeline.weather.records import MeasuredWeather, NoctCells
 
 ROWS = [(f"{hour:02d}:00", 100.0 * hour + 0.5, 10.0 + 0.25 * hour) for hour in range(6, 18)]

@@ -7,7 +7,7 @@ import yaml
 
 from pipeline.config.sources import split
 from pipeline.experiments.network.records import NetworkStudy
-from pipeline.experiments.network.surfaces import every_surface
+from pipeline.experiments.network.sources import every_surface
 
 CONF = Path(__file__).parents[2] / "conf"
 

@@ -10,11 +10,11 @@ import pytest
 from pipeline.grnn.error import Form
 from pipeline.grnn.records import data_of
 from pipeline.grnn.selection import genetic, greedy
+from pipeline.grnn.selection.baselines import regular
 from pipeline.grnn.selection.least_squares import orthogonal
 from pipeline.grnn.selection.medoids import medoids
 from pipeline.grnn.selection.methods import SELECT, Task, trials
 from pipeline.grnn.selection.problem import problem_of
-from pipeline.grnn.selection.regular import regular
 from pipeline.search.genetic import GeneticSettings
 from pipeline.search.streams import generators
 

@@ -14,7 +14,7 @@ import pytest
 from pipeline.kernel.digest import PACKAGE
 
 # What stands under every room.
-FOUNDATION = {"errors", "file_record", "jit", "quantity", "record"}
+FOUNDATION = {"errors", "jit", "quantity", "record"}
 PHYSICS = {
     *("bus", "cell", "charge", "converter", "day", "files", "grnn", "objective", "panel", "search", "taguchi"),
     *("tracker", "weather"),

@@ -5,7 +5,7 @@ import pytest
 from scipy.optimize import minimize_scalar
 
 from pipeline.experiments.frequency.objective import quantities
-from pipeline.objective.loss import (
+from pipeline.objective.optimum import (
     breakdown,
     discharge_resistor_loss_w,
     error_mw,

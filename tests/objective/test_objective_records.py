@@ -11,7 +11,7 @@ from pydantic import ValidationError
 
 from pipeline.objective.records import ReflexFrequency, Waveform
 from pipeline.search.registry import settings_from
-from pipeline.taguchi.records import Design
+from pipeline.taguchi.arrays import Design
 from tests.cards import with_sources
 
 CONF = Path(__file__).parents[2] / "conf"
@@ -77,7 +77,7 @@ def test_a_period_holds_no_more_than_itself():
 
 def test_records_import_nothing_heavy():
     code = (
-        "import sys, pipeline.objective.records, pipeline.taguchi.records, pipeline.search.registry\n"
+        "import sys, pipeline.objective.records, pipeline.taguchi.arrays, pipeline.search.registry\n"
         "import pipeline.search.algorithms.swarm, pipeline.search.algorithms.sweep\n"
         "print([m for m in ('numba', 'scipy', 'pvlib', 'matplotlib', 'pandas', 'pydoe') if m in sys.modules])"
     )

@@ -3,13 +3,16 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from pipeline.objective.loss import error_mw, integral_square_error, objective, switching_energy_j
 from pipeline.objective.optimum import (
     band_hz,
     contour_energy_j,
     energy_for_optimum_j,
+    error_mw,
     frequency_map_hz,
+    integral_square_error,
+    objective,
     optimal_frequency_hz,
+    switching_energy_j,
     with_capacitance,
 )
 from pipeline.objective.records import Pairs, Waveform

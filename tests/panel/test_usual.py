@@ -8,11 +8,10 @@ import numpy as np
 import pytest
 
 from pipeline.errors import UserError
-from pipeline.panel.database import FILES
+from pipeline.panel.database import FILES, LEFT_OUT, TECHNOLOGIES, completed
 from pipeline.panel.maximum_power import maximum_power
 from pipeline.panel.records import Panel
 from pipeline.panel.single_diode import fit
-from pipeline.panel.usual import LEFT_OUT, TECHNOLOGIES, completed
 
 # Sheets of five usual panels, without their coefficients and cells: title, W, V_mp, I_mp, V_oc, I_sc, cells.
 SHEETS = [

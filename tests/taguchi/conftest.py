@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from pipeline.taguchi import arrays
-from pipeline.taguchi.records import Design
+from pipeline.taguchi.arrays import Design
 from tests.cards import card
 
 CONF = Path(__file__).parents[2] / "conf"

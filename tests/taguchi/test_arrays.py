@@ -6,6 +6,7 @@ from pydantic import ValidationError
 
 from pipeline.errors import UserError
 from pipeline.taguchi.arrays import (
+    Design,
     factor_values,
     full_factorial,
     index_in_factorial,
@@ -13,7 +14,6 @@ from pipeline.taguchi.arrays import (
     rows,
     standard,
 )
-from pipeline.taguchi.records import Design
 
 STANDARD = {"L4(2^3)": [2, 2, 2], "L8(2^7)": [2] * 7, "L9(3^4)": [3] * 4, "L16(4^5)": [4] * 5, "L25(5^6)": [5] * 6,
             "L27(2^1 3^12)": [3] * 9}  # fmt: skip

@@ -6,8 +6,7 @@ import numpy as np
 import pytest
 
 from pipeline.errors import UserError
-from pipeline.tracker.capture import available, capture, course
-from pipeline.tracker.loop import KINDS
+from pipeline.tracker.loop import KINDS, available, capture, course
 from tests.tracker.conftest import HONEST, NAMES, tracker
 
 STEADY = np.arange(0.0, 60.0, 0.1)

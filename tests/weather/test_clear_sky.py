@@ -7,7 +7,7 @@ from pvlib import irradiance
 from pvlib.location import Location
 
 from pipeline.errors import UserError
-from pipeline.weather.sky import sky_of
+from pipeline.weather.clear_sky import sky_of
 from tests.weather.samples import weather
 
 

@@ -5,9 +5,9 @@ import pytest
 
 from pipeline.experiments.days.weather import quantities
 from pipeline.panel.records import ConstantWeather
+from pipeline.weather.clear_sky import Measured, sky_of
 from pipeline.weather.measured import DARK, INTERPOLATED, gaps
 from pipeline.weather.records import MeasuredWeather, NoctCells
-from pipeline.weather.sky import Measured, sky_of
 
 CARD = MeasuredWeather(
     title="own", file="own.csv", longest_gap_s=600.0, wind_m_s=1.0, cell_temperature=NoctCells(noct_c=45.0)

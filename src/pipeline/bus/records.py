@@ -9,8 +9,7 @@ from pydantic import Discriminator, Field, Tag, field_validator, model_validator
 
 from pipeline.converter.records import Load
 from pipeline.errors import best_matches
-from pipeline.file_record import OwnFile
-from pipeline.record import Record
+from pipeline.record import OwnFile, Record
 
 
 class FromHour(Record):

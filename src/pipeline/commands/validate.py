@@ -15,8 +15,7 @@ from rich.table import Table
 
 from pipeline.commands.run import cores
 from pipeline.experiments.validation.records import BROKEN, NOT_INSTALLED
-from pipeline.experiments.validation.registry import CHECKS
-from pipeline.experiments.validation.tables import VALIDATION
+from pipeline.experiments.validation.registry import CHECKS, VALIDATION
 from pipeline.kernel import planfile, store, tables
 from pipeline.kernel.digest import PROJECT
 

@@ -8,7 +8,7 @@ from typing import Any
 
 from pipeline.config.compose import compose_tree
 from pipeline.config.study import study_from
-from pipeline.kernel import digest, plan
+from pipeline.kernel import digest, plan, registry
 from pipeline.kernel.draft import drafts, plain
 
 
@@ -52,6 +52,7 @@ def run_of(words: Sequence[str]) -> plan.Run:
         study.configuration,
         plain(study.sources),
         tuple(drafts(study)),
+        tuple(remark for one in registry.experiments().values() for remark in one.remarks(study)),
     )
 
 

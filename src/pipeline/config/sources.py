@@ -113,7 +113,8 @@ def attribute(
     for section in sections:
         for path, value in leaves(_at(values, section), section):
             word = composed.overridden(path)
-            if word is not None:
+            # What an override takes out may get a usual value, with the source of that.
+            if word is not None and not (word.startswith("~") and path in records):
                 result[path] = Source(kind="override", ref=word)
             elif isinstance(value, Mapping):
                 result[path] = Source(kind="found", ref=f"{value['value']} of {value['from']}")

@@ -14,9 +14,9 @@ from pipeline.converter.records import PowerChain
 from pipeline.panel.maximum_power import maximum_power
 from pipeline.panel.records import REFERENCE_IRRADIANCE_W_M2, REFERENCE_TEMPERATURE_C, Panel
 from pipeline.panel.single_diode import SingleDiode
-from pipeline.tracker.capture import Source, capture
+from pipeline.tracker.loop import Source, capture
 from pipeline.tracker.records import AnyTracker
-from pipeline.weather.sky import Sky
+from pipeline.weather.clear_sky import Sky
 
 Array = NDArray[np.float64]
 

@@ -1,17 +1,17 @@
-"""Rows of cells to a table: where the headings stand, where the data begin, what is no part of either."""
+"""Rows of cells to a table: its headings, its data, what is no part of either, and the numbers in its cells."""
 
 from __future__ import annotations
 
+import math
 import re
 from collections import Counter
-from collections.abc import Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import Any, NamedTuple
 
 from pipeline.errors import UserError
-from pipeline.files.numbers import decimal_of, number
-from pipeline.files.table import Preamble, Table, Torn
-from pipeline.files.units import is_unit
+from pipeline.files import quantities
+from pipeline.files.quantities import is_unit
 
 _TIMELIKE = re.compile(r"\d{1,4}[-./:]\d{1,2}([-./:T ].*)?|\d{8}:\d{4}")
 _FOOTERS = ("total", "totals", "sum", "mean", "average", "min", "max", "summe", "mittelwert")
@@ -184,3 +184,139 @@ def _preamble(rows: Sequence[Row]) -> Preamble:
                 pairs.setdefault(str(key).strip(), str(value).strip())
     lines = tuple(",".join("" if cell is None else str(cell) for cell in row.cells) for row in rows)
     return Preamble(lines, pairs)
+
+
+_ONE_EACH = "one a column"
+
+
+class Preamble(NamedTuple):
+    """What stands above a table: its lines, and the pairs of key and value among them."""
+
+    lines: tuple[str, ...] = ()
+    pairs: Mapping[str, str] = {}
+
+
+class Table(NamedTuple):
+    """Columns as they stand in a file.
+
+    Arguments
+    ---------
+    path : the file.
+    columns : heading -> cells, all of one length; in a row of another length than the headings each is a `Torn`.
+    units : heading -> unit, where a row of units stands below the headings.
+    place : what rows are called, "line" or "row"; `places` : number of each.
+    preamble : what stands above.
+    decimal : decimal sign of its text.
+    said : what was found, in sentences.
+    """
+
+    path: Path
+    columns: Mapping[str, Sequence[Any]]
+    units: Mapping[str, str]
+    place: str
+    places: Sequence[int]
+    preamble: Preamble = Preamble()
+    decimal: str = "."
+    said: tuple[str, ...] = ()
+
+    def named(self, row: int) -> str:
+        """Return what a row is called in a message."""
+        return f"{self.place} {self.places[row]}"
+
+    def refused(self, row: int, column: str, told: str, allowed: str) -> UserError:
+        """Return the refusal of a cell, or of a row that has another length than the headings.
+
+        Arguments
+        ---------
+        row, column : its place and heading.
+        told : what stands there, as `pipeline.files.cells.shown` or `Torn.told` says it.
+        allowed : what may stand there.
+        """
+        where = f"{self.path}: {self.named(row)}"
+        return UserError(
+            f"{where}: {told}" if _ONE_EACH in told else f"{where}, column {column}: {told}; allowed is {allowed}"
+        )
+
+
+class Torn(NamedTuple):
+    """Stands in every cell of a row whose number of cells is not that of the headings."""
+
+    cells: int
+    wanted: int
+
+    def told(self) -> str:
+        """Return what is wrong with the row, for a message."""
+        hint = ""
+        if self.cells >= 2 * self.wanted - 1:
+            hint = (
+                "; decimal commas between commas cannot be told apart: save it with semicolons or tabs between columns"
+            )
+        return f"{self.cells} values; allowed are {self.wanted}, {_ONE_EACH}{hint}"
+
+
+class Stamp(NamedTuple):
+    """A time that a file holds as a time: seconds since 1970-01-01 00:00, of universal or of local time."""
+
+    seconds: float
+    universal: bool
+
+
+_POINT = re.compile(r"[+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?", re.ASCII)
+_COMMA = re.compile(r"[+-]?(?:\d+,\d*|,\d+)(?:[eE][+-]?\d+)?", re.ASCII)
+_GROUPED = re.compile(r"[+-]?\d{1,3}(?:\.\d{3})+,\d+", re.ASCII)
+
+
+def number(value: Any, decimal: str = ".") -> float | None:
+    """Return a value as a finite number; none where it is not one: a word, a truth value, digits of other scripts.
+
+    Arguments
+    ---------
+    value : as it stands in the file.
+    decimal : the file's decimal sign, for text; with a comma, points between groups of three digits are left out.
+    """
+    if isinstance(value, str):
+        text = value.strip()
+        if decimal == ",":
+            text = text.replace(".", "").replace(",", ".") if _GROUPED.fullmatch(text) else text.replace(",", ".")
+        if not _POINT.fullmatch(text):
+            return None
+        found = float(text)
+    elif value is None or isinstance(value, bool) or not hasattr(value, "__float__"):
+        return None
+    else:
+        found = float(value)
+    return found if math.isfinite(found) else None
+
+
+def decimal_of(cells: Iterable[str]) -> str:
+    """Return the decimal sign that a text file's cells are written with: a comma where only commas are."""
+    commas = points = 0
+    for cell in cells:
+        text = cell.strip()
+        commas += bool(_COMMA.fullmatch(text) or _GROUPED.fullmatch(text))
+        points += "." in text and bool(_POINT.fullmatch(text))
+    return "," if commas and not points else "."
+
+
+def shown(value: Any) -> str:
+    """Return a value as a message says it."""
+    if value is None or value == "":
+        return "empty"
+    return f"value {value!r}" if isinstance(value, str) else f"value {value}"
+
+
+_HEIGHT = re.compile(r"(?:at|@)?\s*\d+(?:\.\d+)?\s*(?:m|ft|feet)\b|_?\d+m$", re.IGNORECASE)
+
+
+def plain(heading: str) -> str:
+    """Return a heading as a word: without its unit, capitals, spaces and signs."""
+    return re.sub(r"[^a-z0-9]", "", _folded(quantities.split(heading)[0]))
+
+
+def bare(heading: str) -> str:
+    """Return a heading as a word, without the height above ground at which something was measured too."""
+    return re.sub(r"[^a-z0-9]", "", _folded(_HEIGHT.sub("", quantities.split(heading)[0])))
+
+
+def _folded(text: str) -> str:
+    return text.lower().replace("ä", "ae").replace("ö", "oe").replace("ü", "ue").replace("é", "e")

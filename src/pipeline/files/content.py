@@ -14,8 +14,7 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 from pipeline.errors import UserError, best_matches
-from pipeline.file_record import OwnFile
-from pipeline.record import Record
+from pipeline.record import OwnFile, Record
 
 MOST_BYTES = 1 << 30
 """What a file may come to when it is unpacked: a gibibyte, a year by the second in ten columns."""

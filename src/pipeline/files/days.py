@@ -10,11 +10,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pipeline.errors import UserError
-from pipeline.file_record import Label
-from pipeline.files.clock import Clock
+from pipeline.files.cells import Table
+from pipeline.files.clock import Clock, Zone, local_s, universal_s
 from pipeline.files.moments import DAY_S
-from pipeline.files.table import Table
-from pipeline.files.zones import Zone, local_s, universal_s
+from pipeline.record import Label
 
 Array = NDArray[np.float64]
 _EPOCH = datetime.date(1970, 1, 1).toordinal()

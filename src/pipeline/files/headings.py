@@ -6,12 +6,10 @@ from collections.abc import Iterable, Mapping, Sequence
 from typing import Any, NamedTuple
 
 from pipeline.errors import UserError, best_matches
-from pipeline.file_record import OwnFile
-from pipeline.files import units
-from pipeline.files.numbers import bare, plain
-from pipeline.files.quantities import UNCLEAR, Quantity
-from pipeline.files.table import Table
-from pipeline.files.units import Unit
+from pipeline.files import quantities
+from pipeline.files.cells import Table, bare, plain
+from pipeline.files.quantities import UNCLEAR, Quantity, Unit
+from pipeline.record import OwnFile
 
 
 class Found(NamedTuple):
@@ -99,17 +97,17 @@ def unit_of(table: Table, own: OwnFile, quantity: Quantity, heading: str, key: s
     """
     named = own.units.get(quantity.name) or own.units.get(quantity.alias)
     if named is not None:
-        return units.wanted(named, quantity.dimension, quantity.name), f"{heading!r} is in {named}"
+        return quantities.wanted(named, quantity.dimension, quantity.name), f"{heading!r} is in {named}"
     if heading == quantity.name:
         return Unit(1.0), None
-    written = table.units.get(heading) or units.split(heading)[1]
+    written = table.units.get(heading) or quantities.split(heading)[1]
     if written:
-        found = units.unit(written.strip("[]()"), quantity.dimension)
+        found = quantities.unit(written.strip("[]()"), quantity.dimension)
         if found is not None:
             usual = found == Unit(1.0)
             return found, None if usual else f"{heading!r} is in {written}"
-        if any(mark in written for mark in "/²^°") or units.is_unit(written):
-            known = ", ".join(sorted(units.known(quantity.dimension)))
+        if any(mark in written for mark in "/²^°") or quantities.is_unit(written):
+            known = ", ".join(sorted(quantities.known(quantity.dimension)))
             raise UserError(
                 f"{table.path}: column {heading!r}: unit {written!r}; allowed is one of {known}; or say it, "
                 f"'{key}units={{{quantity.name}: {quantity.unit}}}'"

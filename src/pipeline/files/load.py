@@ -15,17 +15,16 @@ from numpy.typing import NDArray
 from pipeline.bus.load import Drawn
 from pipeline.bus.records import WEEKDAYS, LoadProfile, MeasuredLoad, ProfileLoad
 from pipeline.errors import UserError
-from pipeline.file_record import OwnFile
 from pipeline.files import headings, profiles, quantities
-from pipeline.files.clock import Clock, clock_of
+from pipeline.files.cells import Table
+from pipeline.files.clock import Clock, clock_of, local_s, placed
 from pipeline.files.content import digest
 from pipeline.files.days import midnight_s, span, usual_step_s
 from pipeline.files.moments import DAY_S
 from pipeline.files.read import table
-from pipeline.files.table import Table
 from pipeline.files.values import values
 from pipeline.files.weather import date_of, weather_rows
-from pipeline.files.zones import local_s, placed
+from pipeline.record import OwnFile
 from pipeline.weather.records import Weather
 
 Array = NDArray[np.float64]

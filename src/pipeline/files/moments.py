@@ -8,7 +8,7 @@ from collections.abc import Sequence
 from functools import lru_cache
 from typing import Any, NamedTuple
 
-from pipeline.files.table import Stamp
+from pipeline.files.cells import Stamp
 
 DAY_S = 86400.0
 _EPOCH = datetime.date(1970, 1, 1).toordinal()

@@ -13,15 +13,13 @@ from numpy.typing import NDArray
 from pipeline.bus.load import Drawn
 from pipeline.bus.records import MeasuredLoad
 from pipeline.errors import UserError, best_matches
-from pipeline.file_record import OwnFile
 from pipeline.files import quantities
+from pipeline.files.cells import Table, Torn, number, plain, shown
 from pipeline.files.moments import DAY_S
-from pipeline.files.numbers import number, plain, shown
-from pipeline.files.quantities import Quantity
+from pipeline.files.quantities import GRADIENT, RATE, TEMPERATURE, Quantity
 from pipeline.files.read import table
-from pipeline.files.table import Table, Torn
-from pipeline.files.units import GRADIENT, RATE, TEMPERATURE
 from pipeline.files.values import values
+from pipeline.record import OwnFile
 
 Array = NDArray[np.float64]
 _HOUR_S = 3600.0

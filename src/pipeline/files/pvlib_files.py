@@ -12,11 +12,11 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 
 from pipeline.errors import UserError
-from pipeline.file_record import Label
+from pipeline.files.cells import Table
 from pipeline.files.clock import Clock
 from pipeline.files.content import Content, text_of
-from pipeline.files.table import Table
 from pipeline.files.time_columns import WANTED
+from pipeline.record import Label
 
 if TYPE_CHECKING:
     import pandas as pd

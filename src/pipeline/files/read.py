@@ -15,10 +15,9 @@ import pyarrow as pa
 import pyarrow.parquet as pq
 
 from pipeline.errors import UserError, best_matches
-from pipeline.file_record import OwnFile
-from pipeline.files.cells import Row, data_like, table_of
+from pipeline.files.cells import Row, Stamp, Table, data_like, table_of
 from pipeline.files.content import Content, digest, is_excel, load, text_of
-from pipeline.files.table import Stamp, Table
+from pipeline.record import OwnFile
 
 _DELIMITERS = {";": "semicolons", "\t": "tabs", "|": "bars", ",": "commas", " ": "spaces"}
 _SAMPLE = 400

@@ -10,11 +10,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pipeline.errors import UserError
-from pipeline.file_record import OwnFile
-from pipeline.files import moments, units
+from pipeline.files import moments, quantities
+from pipeline.files.cells import Table, Torn, number, plain, shown
 from pipeline.files.moments import DAY_S, DMY, MDY, YMD, Moment
-from pipeline.files.numbers import number, plain, shown
-from pipeline.files.table import Table, Torn
+from pipeline.record import OwnFile
 
 Array = NDArray[np.float64]
 
@@ -113,15 +112,15 @@ def _column(table: Table, own: OwnFile, name: str, key: str) -> Read:
         )
     cells = table.columns[name]
     told = _teller(cells)
-    base, named = units.split(name)
+    base, named = quantities.split(name)
     label = _WORDS.get(plain(name)) if any(word in plain(name) for word in _SAYS_LABEL) else None
     unit_named = own.units.get("time_s") or own.units.get("time")
     below = table.units.get(name, "").strip("[]()")
-    if cells and units.unit(below, units.TIME) and number(cells[0], table.decimal) is not None:
+    if cells and quantities.unit(below, quantities.TIME) and number(cells[0], table.decimal) is not None:
         named = named or below
-    if name == "time_s" or (named and units.unit(named, units.TIME)) or unit_named:
+    if name == "time_s" or (named and quantities.unit(named, quantities.TIME)) or unit_named:
         wanted = unit_named or named or "s"
-        factor = units.wanted(wanted, units.TIME, "time_s").factor
+        factor = quantities.wanted(wanted, quantities.TIME, "time_s").factor
         values = [number(cell, table.decimal) for cell in cells]
         read = [None if value is None else Moment(value * factor, None, False) for value in values]
         return Read(read, name, SECONDS, told, label)
@@ -156,7 +155,7 @@ def _order(table: Table, own: OwnFile, name: str, cells: Sequence[Any], key: str
     """Return the order of day and month of a column of dates; asked for where both are possible."""
     if own.time_format:
         return YMD, ()
-    bracketed = (units.split(name)[1] or "").upper()
+    bracketed = (quantities.split(name)[1] or "").upper()
     if bracketed.startswith(("MM/DD", "MM-DD", "M/D")):
         return MDY, ()
     if bracketed.startswith(("DD/MM", "DD-MM", "DD.MM", "D/M")):

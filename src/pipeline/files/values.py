@@ -9,12 +9,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pipeline.errors import UserError
-from pipeline.file_record import OwnFile
 from pipeline.files import quantities
+from pipeline.files.cells import Table, Torn, number, shown
 from pipeline.files.headings import unit_of
-from pipeline.files.numbers import number, shown
 from pipeline.files.quantities import Quantity
-from pipeline.files.table import Table, Torn
+from pipeline.record import OwnFile
 
 Array = NDArray[np.float64]
 

@@ -34,6 +34,7 @@ class Run:
     seed : root of its random streams.
     configuration, sources : as composed, plain data.
     nodes : inputs before those that read them.
+    remarks : sentences that a person reads before anything runs.
     target : the one target that makes a run which `all` leaves out.
     """
 
@@ -44,6 +45,7 @@ class Run:
     configuration: Mapping[str, Any]
     sources: Mapping[str, Any]
     nodes: tuple[Draft, ...]
+    remarks: tuple[str, ...] = ()
     target: str | None = None
     keys: dict[str, str] = field(default_factory=dict)
 
@@ -58,6 +60,7 @@ class Run:
             "name": self.name,
             "overrides": list(self.overrides),
             "seed": self.seed,
+            "remarks": list(self.remarks),
             "configuration": self.configuration,
             "sources": self.sources,
             "nodes": {node.name: {"step": node.step, "key": self.keys[node.name]} for node in self.nodes},

@@ -134,6 +134,14 @@ NAMED_NUMBERS = Table(
 NUMBERS = {"quantities": TableFile("quantities.parquet", NAMED_NUMBERS)}
 """The entry of the table of named numbers among the tables of a step."""
 
+FILE_NOTES = Table(
+    "file_notes",
+    "What a person's file was taken for, and what was done to it; no row where the values stand in no file",
+    (Column("note", "", "what was found", "text"),),
+)
+NOTES = {"notes": TableFile("notes.parquet", FILE_NOTES)}
+"""The entry of the table of notes among the tables of a step that reads a person's file."""
+
 
 def to_arrow(table: Table, data: Mapping[str, Any]) -> pa.Table:
     """Build an Arrow table from columns.

@@ -14,7 +14,7 @@ from pipeline.record import Record
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-    from pipeline.report.data import ReportData
+    from pipeline.report.tables import ReportData
 
 
 class NoOptions(Record):

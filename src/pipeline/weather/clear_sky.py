@@ -1,4 +1,4 @@
-"""A day at a place, clear or with clouds, by pvlib."""
+"""A day at a place, clear or with clouds, by pvlib; and the sky of any weather card."""
 
 from __future__ import annotations
 
@@ -8,9 +8,12 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from pipeline.errors import UserError
-from pipeline.weather.measured import Sky
-from pipeline.weather.records import Air, ClearSky, Clouds, CloudySky
+from pipeline.panel.records import ConstantWeather
+from pipeline.weather.measured import Array, Measured, Sky, filled
+from pipeline.weather.records import Air, ClearSky, Clouds, CloudySky, Weather
 from pipeline.weather.transposition import cell_temperature_c
+
+_DAY_S = 86400.0
 
 
 def transmittance(clouds: Clouds, clock_s: ArrayLike) -> NDArray[np.float64]:
@@ -44,10 +47,6 @@ def transmittance(clouds: Clouds, clock_s: ArrayLike) -> NDArray[np.float64]:
     corners = np.append(0.0, np.column_stack([starts[1:], passed]).ravel())
     levels = np.append(shares[0], np.column_stack([shares[:-1], shares[1:]]).ravel())
     return np.asarray(np.interp(times, corners, levels), dtype=np.float64)
-
-
-Array = NDArray[np.float64]
-_DAY_S = 86400.0
 
 
 class Components(NamedTuple):
@@ -168,3 +167,29 @@ def air_c(air: Air, clock_s: Array) -> Array:
     turn = 2.0 * np.pi * (clock_s - 3600.0 * air.warmest_h) / _DAY_S
     middle, half = 0.5 * (air.highest_c + air.lowest_c), 0.5 * (air.highest_c - air.lowest_c)
     return np.asarray(middle + half * np.cos(turn), dtype=np.float64)
+
+
+__all__ = ["Array", "Measured", "Sky", "sky_of"]
+
+
+def sky_of(weather: Weather, ambient_c: float, measured: Measured | None = None) -> Sky:
+    """Return the weather as columns; a day begins with its first light and ends with its last.
+
+    Arguments
+    ---------
+    weather : the record.
+    ambient_c : temperature of the air where the weather does not say [degC].
+    measured : what the weather's file holds, where it has one.
+
+    Raises
+    ------
+    UserError : a place and date without any sun.
+    """
+    if isinstance(weather, ConstantWeather):
+        irradiance, cells = np.array([weather.irradiance_w_m2]), np.array([weather.cell_temperature_c])
+        return Sky(np.zeros(1), irradiance, np.array([ambient_c]), cells, 0.0, np.inf)
+    if isinstance(weather, ClearSky):
+        return day(weather)
+    if measured is None:
+        raise ValueError(f"weather {weather.title!r} needs the rows of its file, {weather.file}")
+    return filled(weather, measured)

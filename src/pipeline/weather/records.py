@@ -8,9 +8,8 @@ from typing import Annotated, Literal, TypeAlias
 from pydantic import AfterValidator, Field, field_validator, model_validator
 
 from pipeline.errors import best_matches
-from pipeline.file_record import OwnFile
 from pipeline.panel.records import ConstantWeather
-from pipeline.record import Record
+from pipeline.record import OwnFile, Record
 
 _MOST_OFF_H = 4.0
 

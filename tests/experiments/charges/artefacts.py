@@ -6,7 +6,7 @@ from pathlib import Path
 
 import numpy as np
 
-from pipeline.report.data import ModeLabel, ReportData
+from pipeline.report.tables import ModeLabel, ReportData
 from tests import making
 from tests.experiments.frequency.artefacts import ALGORITHM, search_half
 from tests.experiments.supply.system import SYSTEM

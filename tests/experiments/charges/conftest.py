@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from pipeline.report.data import ReportData
+from pipeline.report.tables import ReportData
 from tests.experiments.charges.artefacts import VARIANTS, build
 from tests.experiments.drawing import cards
 

@@ -10,8 +10,8 @@ import pytest
 
 from pipeline.kernel import registry
 from pipeline.report import style
-from pipeline.report.data import ReportData
 from pipeline.report.records import FigureCard
+from pipeline.report.tables import ReportData
 from tests.experiments.drawing import CONF, cards, drawn, saved
 
 UNIT = re.compile(r"\[(A|V|W|mW|µJ|Wh|F|Hz|%|h|s|ms|W/m²/s|°C|1|nat|nat per step|mW² s)\]")

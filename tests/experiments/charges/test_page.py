@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 from pipeline.experiments.charges import page
-from pipeline.report.data import ModeLabel, ReportData
+from pipeline.report.tables import ModeLabel, ReportData
 from tests import making
 
 

@@ -9,8 +9,8 @@ import pytest
 
 from pipeline.experiments.charges import page as charges_page
 from pipeline.experiments.charges import second_cell
-from pipeline.report.data import ReportData
 from pipeline.report.pages import PageContent, PageFigure, PageSection, render
+from pipeline.report.tables import ReportData
 from tests import making
 from tests.experiments.charges.test_page import run, write_run
 from tests.report_pages.conftest import SVG, content, verdict_columns

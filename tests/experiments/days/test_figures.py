@@ -8,12 +8,11 @@ import numpy as np
 import pytest
 
 from pipeline.experiments.days import page
-from pipeline.experiments.days.figures._days import weathers
-from pipeline.experiments.days.numbers import DAY_NUMBERS, WEATHER_NUMBERS
+from pipeline.experiments.days.numbers import DAY_NUMBERS, WEATHER_NUMBERS, weathers
 from pipeline.kernel.artefacts import Output
 from pipeline.quantity import Vocabulary
-from pipeline.report.data import ModeLabel, ReportData
 from pipeline.report.pages import PageFigure
+from pipeline.report.tables import ModeLabel, ReportData
 from tests import making
 from tests.experiments.drawing import cards, drawn, saved
 
@@ -42,6 +41,9 @@ def write(folder: Path, days: dict[str, str]) -> dict[str, Path]:
         fill(output, "weather", {"clock_s": clock_s, "interval_s": [600.0] * ROWS}, ROWS)
         missing = {"clock_s": [30600.0, 36000.0], "length_s": [300.0, 900.0], "filled": ["interpolated", "dark"]}
         output.write("gaps", {name: column if place else [] for name, column in missing.items()})
+        output.write("notes", {"note": ["taken for TMY3, read by pvlib"] * place})
+        inputs[f"daylight/{sky}"] = folder / f"light.{sky}"
+        making.output("daylight", folder / f"light.{sky}").write("notes", {"note": ["two rows an hour"]})
         counted = {"gaps": 2.0 * place, "gap_s": 1200.0 * place, "dark_gaps": 1.0 * place, "dark_gap_s": 900.0 * place}
         numbers(output, WEATHER_NUMBERS, irradiation_kwh_m2=7.0 - 5.0 * place, mean_ambient_c=20.0, **counted)
         for number, mode in enumerate(MODES):
@@ -131,6 +133,14 @@ def test_gaps_are_listed_where_there_are_some(days, whole):
     assert page.gaps(whole) == []
 
 
+def test_the_page_says_what_the_files_were_taken_for(days):
+    (found,) = page.files(days)
+    assert found.rows == (
+        ("load: a load", "two rows an hour"),
+        ("weather: overcast", "taken for TMY3, read by pvlib"),
+    )
+
+
 def test_the_sentences_are_computed(days):
     found = page.text(days)
     assert "CC-CV ends at 12:00 (stop: soc 0.99)" in found
@@ -147,5 +157,5 @@ def test_the_section_has_the_figures_and_is_left_out_without_days(days, whole):
     assert page.sections(whole, []) == []
     (found,) = page.sections(days, [PageFigure("days_energy", "", "t", "c", "<svg/>")])
     assert found.title == "From sun to battery: a day"
-    assert [table.name for table in found.tables] == ["days", "day_switchings", "day_gaps"]
+    assert [table.name for table in found.tables] == ["days", "day_switchings", "day_files", "day_gaps"]
     assert [figure.name for figure in found.figures] == ["days_energy"]

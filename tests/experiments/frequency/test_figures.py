@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 from pipeline.experiments.frequency import figures
-from pipeline.report.data import ReportData
 from pipeline.report.records import FigureCard
+from pipeline.report.tables import ReportData
 from tests import making
 from tests.experiments.drawing import drawn
 from tests.experiments.frequency.artefacts import ALGORITHM, search_half

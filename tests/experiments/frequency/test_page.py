@@ -6,9 +6,9 @@ from pathlib import Path
 
 import pytest
 
-from pipeline.experiments.frequency.numbers import OBJECTIVE_NUMBERS
 from pipeline.experiments.frequency.page import notes
-from pipeline.report.data import ReportData
+from pipeline.experiments.frequency.tuning_tables import OBJECTIVE_NUMBERS
+from pipeline.report.tables import ReportData
 from tests import making
 
 

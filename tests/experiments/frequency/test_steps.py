@@ -16,7 +16,7 @@ from pipeline.experiments.frequency.declaration import EXPERIMENT
 from pipeline.kernel import registry, store
 from pipeline.kernel.draft import drafts
 from pipeline.kernel.run import resolve
-from pipeline.report.data import ReportData
+from pipeline.report.tables import ReportData
 from tests import making
 
 STEPS = {"chaos": chaos, "objective": objective, "tuning": tuning, "search": search}

@@ -16,8 +16,8 @@ from pipeline.experiments.functions import function_runs, functions, page
 from pipeline.experiments.functions.numbers import VOCABULARY, fields
 from pipeline.kernel.draft import drafts
 from pipeline.report import style
-from pipeline.report.data import ReportData
 from pipeline.report.records import FigureCard
+from pipeline.report.tables import ReportData
 from tests import making
 
 SMALL = (

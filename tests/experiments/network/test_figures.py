@@ -9,8 +9,8 @@ from pipeline.config.compose import compose_tree
 from pipeline.config.study import study_from
 from pipeline.kernel import registry
 from pipeline.report import style
-from pipeline.report.data import ModeLabel, ReportData
 from pipeline.report.records import FigureCard
+from pipeline.report.tables import ModeLabel, ReportData
 from tests import making
 from tests.experiments.network.artefacts import network_half
 

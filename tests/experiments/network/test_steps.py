@@ -16,7 +16,7 @@ from pipeline.experiments.network.numbers import fields
 from pipeline.grnn.charger_network import ChargerNetwork
 from pipeline.grnn.network import Network, make_network, predict_many, responses
 from pipeline.kernel import registry, store, tables
-from pipeline.report.data import ReportData
+from pipeline.report.tables import ReportData
 from tests import making
 from tests.experiments.network.artefacts import made, network_half, nodes, small_study
 

@@ -7,8 +7,7 @@ import pytest
 from pydantic import ValidationError
 
 from pipeline.experiments.network.records import PlateauRamp, PlateauSteps
-from pipeline.experiments.network.sources import printed_rows
-from pipeline.experiments.network.surfaces import Printed, agreements, rate
+from pipeline.experiments.network.sources import Printed, agreements, printed_rows, rate
 from pipeline.grnn.records import data_of
 
 

@@ -9,8 +9,8 @@ import pytest
 from pydantic import ValidationError
 
 from pipeline.kernel import registry, tables
-from pipeline.report.data import ReportData
 from pipeline.report.records import FigureCard
+from pipeline.report.tables import ReportData
 from tests import making
 from tests.experiments.charges.artefacts import build
 

@@ -11,9 +11,8 @@ from matplotlib.patches import StepPatch
 
 from pipeline.experiments.staging.page import tables
 from pipeline.report import style
-from pipeline.report.data import ReportData, report_data
 from pipeline.report.records import FigureCard
-from pipeline.report.tables import to_csv
+from pipeline.report.tables import ReportData, report_data, to_csv
 from tests.experiments.staging.staging_world import SEARCHED, make, nodes, small
 from tests.making import inputs
 

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import pytest
 
-from pipeline.report.data import ModeLabel, ReportData
 from pipeline.report.records import FigureCard
+from pipeline.report.tables import ModeLabel, ReportData
 from tests import making
 from tests.experiments.drawing import drawn
 from tests.experiments.supply.system import SYSTEM

@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 from pipeline.experiments.supply import page
-from pipeline.report.data import ReportData
+from pipeline.report.tables import Parameter, ReportData
 from tests import making
 
 PRINTED = "p_max_w,v_mp_v,i_mp_a,v_oc_v,i_sc_a\n60,17.4,3.75,21.7,3.99\n"
@@ -30,3 +30,15 @@ def test_table_1_sets_the_computed_beside_the_printed(tmp_path: Path, monkeypatc
     rows = page.table_1(ReportData(making.inputs({"panel": tmp_path / "panel"}), {}, {})).rows
     assert rows[0] == ("maximum power", "W", 60.0, 65.25, pytest.approx(8.75))
     assert [row[4] for row in rows[1:]] == [0.0, 0.0, 0.0, 0.0]
+
+
+def test_usual_values_and_the_file_of_the_weather_are_told(tmp_path: Path) -> None:
+    making.output("supply", tmp_path / "supply").write("notes", {"note": ["taken for EPW, read by pvlib"]})
+    sheet = Parameter("panel.max_power_w", 60.0, "W", "data_sheet", "label")
+    usual = Parameter("panel.cells_in_series", 36, "", "estimate", "not given: usual for crystalline silicon", 34, 38)
+    data = ReportData(making.inputs({"supply": tmp_path / "supply"}), {}, {}, parameters=[sheet, usual])
+    assert page.files(data)[0].rows == (("taken for EPW, read by pvlib",),)
+    (told,) = page.estimated(data)
+    assert "panel.cells_in_series 36 (34 to 38)" in told
+    assert "max_power_w" not in told
+    assert page.estimated(ReportData(data.inputs, {}, {}, parameters=[sheet])) == []

@@ -7,7 +7,7 @@ import pytest
 from pipeline.config.compose import compose_tree
 from pipeline.config.study import study_from
 from pipeline.converter.records import BOOST
-from pipeline.converter.switched_quantities import of_boost
+from pipeline.converter.switched import of_boost
 from pipeline.errors import UserError
 from pipeline.kernel.draft import drafts
 

@@ -9,7 +9,7 @@ import pytest
 
 from pipeline.converter.records import BOOST
 from pipeline.experiments.switched import page
-from pipeline.report.data import ModeLabel, ReportData
+from pipeline.report.tables import ModeLabel, ReportData
 from tests import making
 from tests.experiments.drawing import cards, drawn, saved
 

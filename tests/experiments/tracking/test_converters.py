@@ -5,10 +5,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from pipeline.converter.efficiency import loads
-from pipeline.converter.loss_kernel import COLUMNS
+from pipeline.converter.efficiency import COLUMNS, loads
 from pipeline.experiments.tracking.converters import against_switches, efficiency_map, quantities
-from pipeline.experiments.tracking.numbers import CONVERTER_NUMBERS
+from pipeline.experiments.tracking.records import CONVERTER_NUMBERS
 from tests import making
 from tests.converter.test_efficiency import VOLTS, chain, changed
 

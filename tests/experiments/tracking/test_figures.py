@@ -8,10 +8,10 @@ import numpy as np
 import pytest
 
 from pipeline.experiments.tracking import page
-from pipeline.experiments.tracking.numbers import CONVERTER_NUMBERS as OF_CONVERTERS
-from pipeline.experiments.tracking.numbers import TRACKING_NUMBERS
-from pipeline.report.data import ReportData
+from pipeline.experiments.tracking.records import CONVERTER_NUMBERS as OF_CONVERTERS
+from pipeline.experiments.tracking.records import TRACKING_NUMBERS
 from pipeline.report.pages import PageFigure
+from pipeline.report.tables import ReportData
 from tests import making
 from tests.experiments.drawing import cards, drawn, saved
 

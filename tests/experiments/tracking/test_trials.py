@@ -5,11 +5,11 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from pipeline.experiments.tracking.numbers import TRACKING_NUMBERS
+from pipeline.experiments.tracking.records import TRACKING_NUMBERS
 from pipeline.experiments.tracking.summary import settling, steady, summary
 from pipeline.experiments.tracking.tracking import captured, profile
-from pipeline.tracker.capture import available
-from pipeline.weather.sky import sky_of
+from pipeline.tracker.loop import available
+from pipeline.weather.clear_sky import sky_of
 from tests.tracker.conftest import NAMES, tracker
 
 

@@ -12,8 +12,8 @@ from pipeline.experiments.trade_off.page import answer, sections, titles, worth
 from pipeline.experiments.trade_off.records import TradeOff
 from pipeline.experiments.trade_off.summary import quantities, trade_off
 from pipeline.report import style
-from pipeline.report.data import ModeLabel, ReportData
 from pipeline.report.records import FigureCard
+from pipeline.report.tables import ModeLabel, ReportData
 from tests import making
 from tests.charge.samples import ENGINE, battery, settings
 from tests.experiments.network.artefacts import network_half

@@ -14,7 +14,7 @@ from pipeline.experiments.validation import against_ngspice, exact, first_law, o
 from pipeline.experiments.validation.common import by_engine, cases, circuit, differences, reduced, thinned
 from pipeline.experiments.validation.plain import suited
 from pipeline.experiments.validation.records import Conditions, Found
-from pipeline.experiments.validation.versions import installed
+from pipeline.experiments.validation.registry import installed
 from tests.charge.samples import battery, load
 
 LEAD = battery("lead_acid_12v7ah")

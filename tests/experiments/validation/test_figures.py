@@ -9,8 +9,8 @@ import pytest
 
 from pipeline.experiments.validation import page
 from pipeline.experiments.validation.registry import CHECKS
-from pipeline.report.data import ReportData
 from pipeline.report.pages import PageFigure
+from pipeline.report.tables import ReportData
 from tests import making
 from tests.experiments.drawing import cards, saved
 

@@ -11,9 +11,8 @@ import pytest
 from pipeline.commands.validate import exit_code, findings
 from pipeline.experiments.validation import order
 from pipeline.experiments.validation.records import Curve, Found, Row, at_least, at_most, largest
-from pipeline.experiments.validation.registry import CHECKS, module_name
+from pipeline.experiments.validation.registry import CHECKS, installed, module_name
 from pipeline.experiments.validation.validation import run
-from pipeline.experiments.validation.versions import installed
 from tests import making
 
 

@@ -5,9 +5,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from pipeline.experiments.charges import second_cell
-from pipeline.report.data import Columns, ReportData
 from pipeline.report.pages import PageFigure, PageSection
-from pipeline.report.tables import JOULES_PER_WATT_HOUR, Cell, ReportTable, plain
+from pipeline.report.tables import JOULES_PER_WATT_HOUR, Cell, Columns, ReportData, ReportTable, plain
 
 LABELS = ("cells",)
 

@@ -5,8 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from pipeline.report.data import Columns, ReportData
-from pipeline.report.tables import JOULES_PER_WATT_HOUR, Cell, ReportTable
+from pipeline.report.tables import JOULES_PER_WATT_HOUR, Cell, Columns, ReportData, ReportTable
 
 Verdicts = Mapping[str, Any]
 MARK = 0.95

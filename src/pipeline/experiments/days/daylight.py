@@ -13,13 +13,13 @@ from pipeline.bus.records import LoadProfile
 from pipeline.converter.records import PowerChain, SwitchedBoost
 from pipeline.day.sunlight import Tracking, by_share, in_closed_loop, sunlight
 from pipeline.files.content import without_digest
-from pipeline.files.load import load_rows
+from pipeline.files.load import load_rows, told
 from pipeline.kernel.artefacts import Inputs, Output
 from pipeline.panel.records import Panel
 from pipeline.panel.single_diode import SingleDiode
 from pipeline.tracker.records import AnyTracker
 from pipeline.tracker.source import Source
-from pipeline.weather.sky import Sky
+from pipeline.weather.clear_sky import Sky
 
 
 def run(settings: Mapping[str, Any], inputs: Inputs, output: Output) -> None:
@@ -38,6 +38,7 @@ def run(settings: Mapping[str, Any], inputs: Inputs, output: Output) -> None:
     columns = {name: column for name, column in found._asdict().items() if name != "could"}
     columns |= found.could._asdict() | {"clock_s": found.time_s + clock_s}
     output.write("daylight", columns)
+    output.write("notes", {"note": list(told(profile, date))})
 
 
 def _tracking(settings: Mapping[str, Any], panel: Panel, diode: SingleDiode, chain: PowerChain) -> Tracking:

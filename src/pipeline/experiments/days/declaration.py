@@ -14,12 +14,13 @@ from pipeline.config.compose import options
 from pipeline.day.records import Day, DayConditions
 from pipeline.errors import UserError, best_matches
 from pipeline.experiments.days.numbers import DAY_NUMBERS, WEATHER_NUMBERS
+from pipeline.files import load as loads
 from pipeline.files.content import settings
 from pipeline.files.load import check_load, check_weather
-from pipeline.files.weather import date_of
+from pipeline.files.weather import date_of, told
 from pipeline.kernel.draft import plain
 from pipeline.kernel.experiment import FOUND, Experiment, Label, Node, Step
-from pipeline.kernel.tables import NUMBERS, Column, Table, TableFile
+from pipeline.kernel.tables import NOTES, NUMBERS, Column, Table, TableFile
 from pipeline.record import Record
 from pipeline.weather.records import Weather
 
@@ -126,11 +127,15 @@ DAY_STAGES = Table(
 SKY = {
     "weather": TableFile("weather.parquet", WEATHER, time="time_s"),
     "gaps": TableFile("gaps.parquet", WEATHER_GAPS),
+    **NOTES,
     **NUMBERS,
 }
 """What the step `weather` writes."""
 
-LIGHT = {"daylight": TableFile("daylight.parquet", DAYLIGHT, time="time_s")}
+LIGHT = {
+    "daylight": TableFile("daylight.parquet", DAYLIGHT, time="time_s"),
+    **NOTES,
+}
 """What the step `daylight` writes."""
 
 DAY = {
@@ -287,6 +292,16 @@ def check(study: Any) -> None:
             raise UserError(f"day.initial_soc: {day.initial_soc:g} does not go with modes.{mode}.{error}") from None
 
 
+def _remarks(study: Any) -> Iterator[str]:
+    """Yield what the files of weathers and load were taken for."""
+    for name, weather in study.day.weathers.items() if study.day is not None else ():
+        yield from (f"day.weathers.{name}: {note}" for note in told(weather))
+    if study.day is not None and isinstance(study.day.load, MeasuredLoad):
+        dates = dict.fromkeys(date_of(weather) for weather in study.day.weathers.values())
+        notes = dict.fromkeys(note for date in dates for note in loads.told(study.day.load, date))
+        yield from (f"day.load: {note}" for note in notes)
+
+
 def _readable(study: Any) -> Iterable[str]:
     if not _has_days(study):
         return ()
@@ -316,6 +331,7 @@ EXPERIMENT = Experiment(
     part=DaysPart,
     parameters=("day",),
     checks=(check,),
+    remarks=_remarks,
     inputs=_readable,
     fields=lambda study: {"weather": {}, "day": {}},
     labels={

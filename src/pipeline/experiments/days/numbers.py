@@ -1,8 +1,15 @@
-"""The numbers that the steps of days find: names, units, meanings."""
+"""The numbers that the steps of days find, and which days there are to show."""
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+from typing import TYPE_CHECKING
+
 from pipeline.quantity import Vocabulary
+
+if TYPE_CHECKING:
+    from pipeline.report.tables import ReportData
+
 
 STAGES = {
     "sun": ("input", "what the panel would give at its efficiency of standard conditions"),
@@ -56,3 +63,14 @@ WEATHER_NUMBERS = Vocabulary(
         "dark_gap_s": ("s", "their length together"),
     }
 )
+
+
+def weathers(data: ReportData) -> Mapping[str, str]:
+    """Return the name of each day's weather -> its title, in the order of the configuration."""
+    found: Mapping[str, str] = data.settings.get("day", {}).get("weathers", {})
+    return {name: title for name, title in found.items() if charged(data, name)}
+
+
+def charged(data: ReportData, weather: str) -> list[str]:
+    """Return the modes that were charged in a weather, in the order of the run."""
+    return [mode for mode in data.modes if f"day/{weather}/{mode}" in data.inputs]

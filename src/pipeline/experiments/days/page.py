@@ -4,10 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 
-from pipeline.experiments.days.figures._days import charged, weathers
-from pipeline.report.data import ReportData
+from pipeline.experiments.days.numbers import charged, weathers
 from pipeline.report.pages import PageFigure, PageSection
-from pipeline.report.tables import Cell, ReportTable, plain, sentence
+from pipeline.report.tables import Cell, ReportData, ReportTable, plain, sentence
 
 LABELS = ("day",)
 _HOUR_S = 3600.0
@@ -47,7 +46,7 @@ def sections(data: ReportData, figures: Sequence[PageFigure]) -> list[PageSectio
     """
     if not weathers(data):
         return []
-    shown = [numbers(data), switchings(data), *gaps(data)]
+    shown = [numbers(data), switchings(data), *files(data), *gaps(data)]
     title = f"From sun to battery: {data.settings['day']['title']}"
     return [PageSection("days-in-the-sun", title, text(data), shown, figures)]
 
@@ -118,6 +117,27 @@ def gaps(data: ReportData) -> list[ReportTable]:
             "Stretches of the file for which no row holds, and what stands in for them.",
             ("day", "from, local time", "length / s", "filled"),
             tuple(rows),
+            grouped=True,
+        )
+    ]
+
+
+def files(data: ReportData) -> list[ReportTable]:
+    """Return the table of what the files of weathers and load were taken for; none where there are none."""
+    found: dict[tuple[str, str], None] = {}
+    for name, title in weathers(data).items():
+        found |= dict.fromkeys((f"weather: {title}", note) for note in data.table(f"weather/{name}", "notes")["note"])
+        notes = data.table(f"daylight/{name}", "notes")["note"]
+        found |= dict.fromkeys((f"load: {data.settings['day']['load']}", note) for note in notes)
+    if not found:
+        return []
+    return [
+        ReportTable(
+            "day_files",
+            "The files that were brought",
+            "What each file was taken for, and what was done to its values; every guess is a key of the configuration.",
+            ("file", "what was found"),
+            tuple(found),
             grouped=True,
         )
     ]

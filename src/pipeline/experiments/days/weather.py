@@ -13,9 +13,9 @@ from pipeline.files.content import without_digest
 from pipeline.files.weather import told, weather_rows
 from pipeline.kernel.artefacts import Inputs, Output
 from pipeline.quantity import Quantity
+from pipeline.weather.clear_sky import sky_of
 from pipeline.weather.measured import DARK, Array, Gap, Measured, gaps, longest_gap_s
 from pipeline.weather.records import MeasuredWeather, Weather
-from pipeline.weather.sky import sky_of
 
 _JOULE_PER_KWH = 3.6e6
 
@@ -58,7 +58,8 @@ def run(settings: Mapping[str, Any], inputs: Inputs, output: Output) -> None:
     """Write the weather of a day, and what it comes to."""
     weather: Weather = TypeAdapter(Weather).validate_python(without_digest(settings["weather"]))
     measured = weather_rows(weather)
-    for sentence in told(weather):
+    notes = list(told(weather))
+    for sentence in notes:
         print(f"weather {settings['weather']['title']}: {sentence}")
     sky = sky_of(weather, float(settings["ambient_c"]), measured)
     end_s = min(sky.end_s, 3600.0 * float(settings["longest_h"]))
@@ -84,5 +85,6 @@ def run(settings: Mapping[str, Any], inputs: Inputs, output: Output) -> None:
             f"midnight, {gap.filled}"
         )
     output.rows("gaps", missing)
+    output.write("notes", {"note": notes})
     output.write("weather", columns)
     output.numbers(found)

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from pipeline.experiments.frequency.numbers import CHAOS_NUMBERS
+from pipeline.experiments.frequency.tuning_tables import CHAOS_NUMBERS
 from pipeline.kernel.artefacts import Inputs, Output
 from pipeline.quantity import Quantity
 from pipeline.search.box import ChaosSettings

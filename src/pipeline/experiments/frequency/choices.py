@@ -18,7 +18,7 @@ from pipeline.published.reference import reference_tables
 from pipeline.record import Record, Reference
 from pipeline.search.box import ChaosSettings, SearchSettings
 from pipeline.search.registry import AnySettings
-from pipeline.taguchi.records import Design
+from pipeline.taguchi.arrays import Design
 
 TUNED = "swarm"
 """The algorithm whose knobs a design can tune."""

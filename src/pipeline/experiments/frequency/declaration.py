@@ -7,11 +7,11 @@ from typing import Any
 
 from pipeline.cell.records import value_of
 from pipeline.config.compose import options
-from pipeline.experiments.frequency import choices, design_summary, outcome
+from pipeline.experiments.frequency import choices, outcome, tuning
 from pipeline.experiments.frequency.choices import FrequencyPart, pulsed_modes, searches
-from pipeline.experiments.frequency.numbers import CHAOS_NUMBERS, OBJECTIVE_NUMBERS
 from pipeline.experiments.frequency.outcome import VARIABLE
 from pipeline.experiments.frequency.tables import CHAOS, OBJECTIVE, SEARCH, SETS, TUNING
+from pipeline.experiments.frequency.tuning_tables import CHAOS_NUMBERS, OBJECTIVE_NUMBERS
 from pipeline.kernel.draft import plain
 from pipeline.kernel.experiment import Experiment, Label, Node, Step
 from pipeline.search import registry
@@ -78,7 +78,7 @@ TUNING_STEP = Step(
     settings=_tuning_settings,
     reads=("design", "search", "seed", *_PROBLEM),
     tables=TUNING,
-    quantities=design_summary.VOCABULARY,
+    quantities=tuning.VOCABULARY,
     target="tuning",
     chunk=(1, 4),
     files=("conf/published/reference/*.csv",),

@@ -9,8 +9,7 @@ import numpy as np
 
 from pipeline.experiments.frequency.tuning_tables import KNOBS
 from pipeline.published.reference import REFERENCE
-from pipeline.report.data import ReportData
-from pipeline.report.tables import Cell, ReportTable, plain
+from pipeline.report.tables import Cell, ReportData, ReportTable, plain
 
 LABELS = ("searched",)
 PRINTED = REFERENCE / "solar_table3.csv"

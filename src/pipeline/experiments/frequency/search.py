@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from pipeline.experiments.frequency.outcome import VARIABLE, outcome
 from pipeline.kernel.artefacts import Inputs, Output
-from pipeline.objective.loss import objective_of
+from pipeline.objective.optimum import objective_of
 from pipeline.objective.records import Problem
 from pipeline.search.comparison import Difference, Summary
 from pipeline.search.history import History

@@ -6,8 +6,7 @@ import numpy as np
 
 from pipeline.experiments.network import sources
 from pipeline.experiments.network.records import USED, gradient_unit
-from pipeline.report.data import ReportData
-from pipeline.report.tables import Cell, ReportTable, plain
+from pipeline.report.tables import Cell, ReportData, ReportTable, plain
 
 LABELS = ()
 _ERROR = "MSE / C²"

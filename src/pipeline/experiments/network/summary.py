@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from pipeline.experiments.network.comparison import Comparison, Result, Size, Variety, after, units
 from pipeline.experiments.network.numbers import KERNELS, NETWORK, SIZES, SURFACE
 from pipeline.experiments.network.records import FormSettings, SelectionSettings
-from pipeline.experiments.network.surfaces import Agreement
+from pipeline.experiments.network.sources import Agreement
 from pipeline.grnn.anfis import Learning, nodes
 from pipeline.grnn.error import candidates
 from pipeline.grnn.network import EDGE

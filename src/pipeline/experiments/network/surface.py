@@ -11,8 +11,8 @@ import numpy as np
 from pipeline.errors import UserError
 from pipeline.experiments.network import sources
 from pipeline.experiments.network.records import GRADIENT_SECONDS, DataSettings
+from pipeline.experiments.network.sources import Agreement, agreements, every_surface
 from pipeline.experiments.network.summary import of_surfaces
-from pipeline.experiments.network.surfaces import Agreement, agreements, every_surface
 from pipeline.files import profiles
 from pipeline.grnn.records import Data, data_of
 from pipeline.kernel import digest

@@ -7,8 +7,8 @@ from typing import Any
 
 from pipeline.kernel.artefacts import Inputs, Output
 from pipeline.report import style
-from pipeline.report.data import report_data
 from pipeline.report.records import FigureCard
+from pipeline.report.tables import report_data
 
 
 def run(settings: Mapping[str, Any], inputs: Inputs, output: Output) -> None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from importlib import import_module
 from pathlib import Path
 from types import ModuleType
@@ -11,14 +12,14 @@ from typing import Any
 from pipeline.kernel.artefacts import Inputs, Output
 from pipeline.published.evaluate import VERDICTS
 from pipeline.report import tables as report_tables
-from pipeline.report.data import report_data
 from pipeline.report.pages import PageContent, PageFigure, PageSection, Paper, render
-from pipeline.report.tables import ReportTable
+from pipeline.report.tables import ReportTable, report_data
 
 
 def run(settings: Mapping[str, Any], inputs: Inputs, output: Output) -> None:
     """Write `index.html` and `tables/*.csv`."""
-    data = report_data(settings, inputs)
+    listed = report_tables.listed(settings["parameters"])
+    data = replace(report_data(settings, inputs), parameters=listed)
     found = inputs.table("verdicts", "verdicts") if "verdicts" in inputs else None
     verdicts: Mapping[str, Any] = found or {column.name: [] for column in VERDICTS.columns}
     cards = {card["name"]: card for card in settings["figures"]}
@@ -32,7 +33,6 @@ def run(settings: Mapping[str, Any], inputs: Inputs, output: Output) -> None:
         notes += _asked(page, "notes", data)
         sections += _asked(page, "sections", data, own)
     apart = {figure.name for section in sections for figure in section.figures}
-    listed = report_tables.listed(settings["parameters"])
     study = settings["study"]
     content = PageContent(
         title=study["title"],

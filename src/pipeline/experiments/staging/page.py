@@ -4,8 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from pipeline.report.data import ReportData
-from pipeline.report.tables import Cell, ReportTable, plain
+from pipeline.report.tables import Cell, ReportData, ReportTable, plain
 
 LABELS = ()
 _OF_A_SEARCH = (

@@ -11,9 +11,10 @@ from pipeline.errors import UserError
 from pipeline.experiments.supply.named_panel import by_name
 from pipeline.files.content import settings
 from pipeline.files.load import check_weather
+from pipeline.files.weather import told
 from pipeline.kernel.draft import plain
 from pipeline.kernel.experiment import Experiment, Label, Node, Step
-from pipeline.kernel.tables import Column, Table, TableFile
+from pipeline.kernel.tables import NOTES, Column, Table, TableFile
 from pipeline.panel.database import PanelEntry
 from pipeline.panel.records import (
     REFERENCE_IRRADIANCE_W_M2,
@@ -22,7 +23,7 @@ from pipeline.panel.records import (
     Panel,
     PanelCurveSettings,
 )
-from pipeline.record import Record
+from pipeline.record import NOT_GIVEN, Record
 from pipeline.weather.records import Weather
 
 _IRRADIANCE = Column("irradiance_w_m2", "W/m2", "plane-of-array irradiance")
@@ -97,7 +98,10 @@ PANEL = {
     "fit": TableFile("fit.parquet", PANEL_FIT),
 }
 """What the step `panel` writes."""
-SUPPLIED = {"supply": TableFile("supply.parquet", SUPPLY, time="time_s")}
+SUPPLIED = {
+    "supply": TableFile("supply.parquet", SUPPLY, time="time_s"),
+    **NOTES,
+}
 """What the step `supply` writes."""
 
 
@@ -172,6 +176,16 @@ def check(study: Any) -> None:
     converters.check(power_w, voltage_v, study.converter, study.load)
 
 
+def _remarks(study: Any) -> Iterator[str]:
+    """Yield what a weather's file was taken for, and which values of the panel stand on no data sheet."""
+    if study.panel is None:
+        return
+    yield from (f"weather: {note}" for note in told(study.weather))
+    for path, source in study.sources.items():
+        if path.startswith("panel.") and source.ref.startswith(NOT_GIVEN):
+            yield f"{path}: {getattr(study.panel, path.removeprefix('panel.')):.4g}, {source.ref}"
+
+
 def _brightest(weather: Weather) -> tuple[float, float]:
     """Return irradiance [W/m2] and cell temperature [degC] of the brightest moment, about."""
     if isinstance(weather, ConstantWeather):
@@ -199,6 +213,7 @@ EXPERIMENT = Experiment(
     written={"panel": PanelEntry},
     prepare=by_name,
     checks=(check,),
+    remarks=_remarks,
     inputs=lambda study: ("panel", "supply") if study.panel is not None else (),
     labels={
         "system": Label(

@@ -10,7 +10,7 @@ from pydantic import ValidationError
 from pipeline.config.compose import Composed, options
 from pipeline.config.messages import explain
 from pipeline.errors import UserError
-from pipeline.panel import usual
+from pipeline.panel import database
 from pipeline.panel.database import PanelEntry, look_up, reference
 from pipeline.panel.records import Panel
 from pipeline.panel.single_diode import fit
@@ -37,7 +37,7 @@ def by_name(composed: Composed, values: dict[str, Any], written: dict[str, Any])
         return values
     if "database" not in given:
         try:
-            made, estimates = usual.completed(given)
+            made, estimates = database.completed(given)
         except UserError as error:
             raise UserError(f"{composed.origin('panel.technology')}: panel.{error}") from None
         written.update({f"panel.{name}": source for name, source in estimates.items()})

@@ -6,9 +6,9 @@ import csv
 from collections.abc import Sequence
 
 from pipeline.published.reference import REFERENCE
-from pipeline.report.data import ReportData
+from pipeline.record import NOT_GIVEN
 from pipeline.report.pages import PageFigure, PageSection
-from pipeline.report.tables import Cell, ReportTable
+from pipeline.report.tables import Cell, ReportData, ReportTable
 
 LABELS = ()
 PRINTED = REFERENCE / "solar_table1.csv"
@@ -32,7 +32,35 @@ def sections(data: ReportData, figures: Sequence[PageFigure]) -> list[PageSectio
     if "panel" not in data.inputs:
         return []
     text = "How well the single-diode model that every charge is fed from meets the values it was made from."
-    return [PageSection("panel-model", "The panel and its model", text, [panel_fit(data)])]
+    shown = [panel_fit(data), *files(data)]
+    return [PageSection("panel-model", "The panel and its model", " ".join([text, *estimated(data)]), shown)]
+
+
+def estimated(data: ReportData) -> list[str]:
+    """Return in a sentence which values of the panel stand on no data sheet; nothing where all do."""
+    absent = [one for one in data.parameters if one.key.startswith("panel.") and one.reference.startswith(NOT_GIVEN)]
+    if not absent:
+        return []
+    values = "; ".join(
+        f"{one.key} {f'{one.value:.4g} {one.unit}'.rstrip()} ({one.low:.4g} to {one.high:.4g})" for one in absent
+    )
+    return [f"Not on its data sheet, and so usual values, in which nine of ten modules lie in the range: {values}."]
+
+
+def files(data: ReportData) -> list[ReportTable]:
+    """Return the table of what the weather's file was taken for; none where the weather stands in no file."""
+    notes = data.table("supply", "notes")["note"]
+    if not len(notes):
+        return []
+    return [
+        ReportTable(
+            "weather_file",
+            "The weather's file",
+            "What the file was taken for, and what was done to its values; every guess is a key of the configuration.",
+            ("what was found",),
+            tuple((note,) for note in notes),
+        )
+    ]
 
 
 def table_1(data: ReportData) -> ReportTable:

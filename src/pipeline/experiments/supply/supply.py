@@ -10,13 +10,13 @@ from pydantic import TypeAdapter
 from pipeline.converter.efficiency import battery_power
 from pipeline.converter.records import Load, PowerChain
 from pipeline.files.content import without_digest
-from pipeline.files.weather import weather_rows
+from pipeline.files.weather import told, weather_rows
 from pipeline.kernel.artefacts import Inputs, Output
 from pipeline.panel import curves
 from pipeline.panel.records import Panel
 from pipeline.panel.single_diode import SingleDiode
+from pipeline.weather.clear_sky import sky_of
 from pipeline.weather.records import Weather
-from pipeline.weather.sky import sky_of
 
 
 def run(settings: Mapping[str, Any], inputs: Inputs, output: Output) -> None:
@@ -37,3 +37,4 @@ def run(settings: Mapping[str, Any], inputs: Inputs, output: Output) -> None:
         points["max_power_voltage_v"],
     )
     output.write("supply", supply)
+    output.write("notes", {"note": list(told(weather))})

@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from pipeline.report.data import ReportData
-from pipeline.report.tables import Cell, ReportTable, plain
+from pipeline.report.tables import Cell, ReportData, ReportTable, plain
 
 LABELS = ()
 _COLUMNS = (

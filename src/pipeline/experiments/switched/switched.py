@@ -9,7 +9,7 @@ import numpy as np
 
 from pipeline.cell.records import Battery
 from pipeline.converter.records import SwitchedStage
-from pipeline.converter.switched_quantities import of_boost
+from pipeline.converter.switched import of_boost
 from pipeline.experiments.switched import columns
 from pipeline.experiments.switched.view import View, view
 from pipeline.kernel.artefacts import Inputs, Output

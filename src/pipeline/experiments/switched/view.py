@@ -15,8 +15,7 @@ from numpy.typing import NDArray
 
 from pipeline.cell.records import Battery, value_of
 from pipeline.converter.records import SwitchedBuck
-from pipeline.converter.ringing import Edge, edges
-from pipeline.converter.switched import SwitchedRun, run_buck
+from pipeline.converter.switched import Edge, SwitchedRun, edges, run_buck
 from pipeline.converter.topologies import BatteryLoad
 
 Array = NDArray[np.float64]

@@ -8,15 +8,12 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from pipeline.converter.discontinuous import discontinuous_point
-from pipeline.converter.efficiency import CONDUCTION, loads
-from pipeline.converter.loss_kernel import COLUMNS
+from pipeline.converter.efficiency import COLUMNS, CONDUCTION, loads
 from pipeline.converter.records import ChainLosses, ConverterLosses, PowerChain, SwitchedStage
-from pipeline.converter.steady import steady_state
-from pipeline.converter.switched import follow, gains, start
-from pipeline.converter.switched_quantities import operating_point
+from pipeline.converter.steady import discontinuous_point, steady_state
+from pipeline.converter.switched import follow, gains, operating_point, start
 from pipeline.converter.topologies import BatteryLoad, PanelSource, boost, buck, maps
-from pipeline.experiments.tracking.numbers import CONVERTER_NUMBERS
+from pipeline.experiments.tracking.records import CONVERTER_NUMBERS
 from pipeline.kernel.artefacts import Inputs, Output
 from pipeline.quantity import Quantity
 

@@ -5,8 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator, Mapping
 from typing import Any
 
-from pipeline.experiments.tracking.numbers import CONVERTER_NUMBERS, TRACKING_NUMBERS
-from pipeline.experiments.tracking.records import TrackingPart
+from pipeline.experiments.tracking.records import CONVERTER_NUMBERS, TRACKING_NUMBERS, TrackingPart
 from pipeline.kernel.experiment import Experiment, Label, Node, Step
 from pipeline.kernel.tables import NUMBERS, Column, Table, TableFile
 

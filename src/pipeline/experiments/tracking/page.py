@@ -7,9 +7,8 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 
 from pipeline.experiments.tracking.figures._titles import titles
-from pipeline.report.data import ReportData
 from pipeline.report.pages import PageFigure, PageSection, prose
-from pipeline.report.tables import Cell, ReportTable, plain, sentence
+from pipeline.report.tables import Cell, ReportData, ReportTable, plain, sentence
 
 LABELS = ("tracking",)
 _STEADY = (

@@ -1,15 +1,20 @@
-"""What trackers are tried on: ramps, days, shadows; light to import."""
+"""What trackers are tried on, and the numbers that the trials find; light to import."""
 
 from __future__ import annotations
 
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 from pydantic import Field, model_validator
 
 from pipeline.panel.records import CellTemperature, Irradiance
+from pipeline.quantity import Vocabulary
 from pipeline.record import Record
 from pipeline.tracker.records import AnyTracker
 from pipeline.weather.records import ClearSky, CloudySky
+
+if TYPE_CHECKING:
+    pass
+
 
 Slope = Annotated[float, Field(gt=0, le=1000, description="slope of the irradiance [W/m2/s]")]
 
@@ -82,3 +87,25 @@ class TrackingPart(Record):
 
     trackers: dict[str, AnyTracker] = Field(default_factory=dict, description="trackers that are tried, by name")
     tracking: Tracking | None = Field(default=None, description="what the trackers are tried on")
+
+
+CONVERTER_NUMBERS = Vocabulary(
+    {
+        "{converter}_full_efficiency": ("1", "at the panel's power"),
+        "{converter}_best_efficiency": ("1", "highest over load"),
+        "{converter}_best_w": ("W", "input power of that load"),
+        "{converter}_off_switched": ("1", "largest difference to the switches"),
+    }
+)
+
+TRACKING_NUMBERS = Vocabulary(
+    {
+        "{tracker}_steady_efficiency": ("1", "captured at 1000 W/m2, settled"),
+        "{tracker}_ripple_v": ("V", "swing of the panel's voltage there"),
+        "{tracker}_ripple_w": ("W", "swing of the power of its periods there"),
+        "{tracker}_start_s": ("s", "settling time from near open circuit"),
+        "{tracker}_step_s": ("s", "settling time after a step"),
+        "{tracker}_ramps_efficiency": ("1", "mean over the ramps of captured / available"),
+        "{tracker}_worst_ramp": ("1", "the least of them"),
+    }
+)

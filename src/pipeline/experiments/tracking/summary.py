@@ -8,11 +8,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from pipeline.experiments.tracking.numbers import TRACKING_NUMBERS
-from pipeline.experiments.tracking.records import Tracking
+from pipeline.experiments.tracking.records import TRACKING_NUMBERS, Tracking
 from pipeline.panel.records import REFERENCE_IRRADIANCE_W_M2
 from pipeline.quantity import Quantity
-from pipeline.tracker.capture import available, course
+from pipeline.tracker.loop import available, course
 from pipeline.tracker.records import AnyTracker
 from pipeline.tracker.source import Source
 

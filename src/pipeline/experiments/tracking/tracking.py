@@ -16,7 +16,7 @@ from pipeline.experiments.tracking.summary import summary
 from pipeline.kernel.artefacts import Inputs, Output
 from pipeline.panel.records import Panel
 from pipeline.panel.single_diode import SingleDiode
-from pipeline.tracker.capture import available, capture, course
+from pipeline.tracker.loop import available, capture, course
 from pipeline.tracker.records import AnyTracker
 from pipeline.tracker.source import Source
 from pipeline.weather.clear_sky import day

@@ -6,9 +6,8 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 from pipeline.experiments.trade_off.records import SAME_TIME
-from pipeline.report.data import ReportData
 from pipeline.report.pages import PageFigure, PageSection
-from pipeline.report.tables import Cell, ReportTable
+from pipeline.report.tables import Cell, ReportData, ReportTable
 
 LABELS = ("trade_off",)
 _RIVALS = (

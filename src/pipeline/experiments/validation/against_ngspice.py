@@ -14,8 +14,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from pipeline.experiments.validation.common import Case, Circuit, Trace
-from pipeline.experiments.validation.peers import compare
+from pipeline.experiments.validation.common import Case, Circuit, Trace, compare
 from pipeline.experiments.validation.records import Found, PeerSettings
 
 BOUNDS = {"voltage": 1e-5, "SOC": 1e-8, "temperature": 1e-6}

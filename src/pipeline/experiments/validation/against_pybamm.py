@@ -11,8 +11,16 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pipeline.cell.circuit import ZERO_CELSIUS_K
-from pipeline.experiments.validation.common import Case, Circuit, Trace, by_engine
-from pipeline.experiments.validation.peers import Array, common_model, compare, difference
+from pipeline.experiments.validation.common import (
+    Array,
+    Case,
+    Circuit,
+    Trace,
+    by_engine,
+    common_model,
+    compare,
+    difference,
+)
 from pipeline.experiments.validation.records import Found, PeerSettings, Row, at_most, largest
 
 _TOLERANCE = 1e-9

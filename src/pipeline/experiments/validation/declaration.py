@@ -8,9 +8,7 @@ from typing import Any
 from pydantic import Field
 
 from pipeline.experiments.validation.records import Validation
-from pipeline.experiments.validation.registry import CHECKS, module_name
-from pipeline.experiments.validation.tables import VALIDATION
-from pipeline.experiments.validation.versions import installed
+from pipeline.experiments.validation.registry import CHECKS, VALIDATION, installed, module_name
 from pipeline.kernel.draft import plain
 from pipeline.kernel.experiment import Experiment, Node, Step
 from pipeline.record import Record

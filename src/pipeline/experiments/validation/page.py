@@ -7,9 +7,8 @@ from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
 from pipeline.experiments.validation.registry import CHECKS, Check
-from pipeline.report.data import ReportData
 from pipeline.report.pages import PageFigure, PageSection
-from pipeline.report.tables import Cell, ReportTable, plain
+from pipeline.report.tables import Cell, ReportData, ReportTable, plain
 
 LABELS = ()
 FINDINGS = ("holds", "broken", "not installed", "told")

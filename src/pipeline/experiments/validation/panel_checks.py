@@ -17,8 +17,8 @@ from pipeline.panel.database import PanelEntry, look_up, names
 from pipeline.panel.maximum_power import maximum_power
 from pipeline.panel.records import Panel
 from pipeline.panel.single_diode import SingleDiode, fit
+from pipeline.weather.clear_sky import sky_of
 from pipeline.weather.records import Air, ClearSky, FaimanCells, Place, Surface
-from pipeline.weather.sky import sky_of
 
 MODULE = "Kyocera_Solar_KC130GT"
 MINUTES = 1440

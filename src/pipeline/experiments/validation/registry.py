@@ -9,7 +9,13 @@ configuration's `validation` that its entry names; `rows` without a value (None)
 
 from __future__ import annotations
 
+import re
+import shutil
+import subprocess
+from importlib import metadata
 from typing import NamedTuple
+
+from pipeline.kernel.tables import Column, Table, TableFile
 
 
 class Check(NamedTuple):
@@ -74,3 +80,59 @@ CHECKS: dict[str, Check] = {
 def module_name(name: str) -> str:
     """Return the module of a check."""
     return f"pipeline.experiments.validation.{name}"
+
+
+VALIDATION_ROWS = Table(
+    "validation_rows",
+    "What a check of the engine finds, a row per quantity",
+    (
+        Column("quantity", "", "what was computed", "text"),
+        Column("value", "see unit", "its value; empty where it could not be computed here", optional=True),
+        Column("unit", "", "its unit", "text"),
+        Column("relation", "", "at most, at least, or empty where there is no bound", "text", optional=True),
+        Column("bound", "see unit", "what it is held to", optional=True),
+        Column("finding", "", "holds, broken, not installed, or told where there is no bound", "text"),
+        Column("note", "", "what must be known to read it", "text"),
+    ),
+)
+VALIDATION_CURVES = Table(
+    "validation_curves",
+    "Errors and differences of a check of the engine, a row per point",
+    (
+        Column("group", "", "field that the line is drawn in", "text"),
+        Column("series", "", "name of the line", "text"),
+        Column("across", "", "what x is, with its unit", "text"),
+        Column("up", "", "what y is, with its unit", "text"),
+        Column("x", "see across", "in the unit that `across` names"),
+        Column("y", "see up", "in the unit that `up` names"),
+    ),
+)
+
+VALIDATION = {
+    "rows": TableFile("rows.parquet", VALIDATION_ROWS),
+    "curves": TableFile("curves.parquet", VALIDATION_CURVES),
+}
+"""What a check writes."""
+
+
+def installed(peer: str) -> str | None:
+    """Return the version of a code, `pybamm` or `ngspice`, that is installed here; none without it."""
+    return {"pybamm": pybamm, "ngspice": ngspice}[peer]()
+
+
+def pybamm() -> str | None:
+    """Return the version of PyBaMM, none without it; nothing of it is imported."""
+    try:
+        return metadata.version("pybamm")
+    except metadata.PackageNotFoundError:
+        return None
+
+
+def ngspice() -> str | None:
+    """Return the version of the program ngspice, none without it."""
+    program = shutil.which("ngspice")
+    if program is None:
+        return None
+    told = subprocess.run([program, "--version"], capture_output=True, text=True, check=False).stdout
+    found = re.search(r"ngspice-(\S+)", told)
+    return found.group(1) if found else "unknown"

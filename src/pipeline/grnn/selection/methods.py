@@ -9,7 +9,7 @@ import numpy as np
 
 from pipeline.grnn.error import Form
 from pipeline.grnn.records import Data, Kernel, Method, Widths
-from pipeline.grnn.selection import exchange, genetic, greedy, least_squares, medoids, random, random_best, regular
+from pipeline.grnn.selection import baselines, exchange, genetic, greedy, least_squares, medoids
 from pipeline.grnn.selection.problem import Problem, Selected, problem_of
 from pipeline.search.genetic import GeneticSettings
 from pipeline.search.streams import Generators, generators
@@ -17,12 +17,12 @@ from pipeline.search.streams import Generators, generators
 SELECT: dict[Method, Callable[[Problem, Generators], Selected]] = {
     "genetic": genetic.select,
     "exchange": exchange.select,
-    "random_best": random_best.select,
+    "random_best": baselines.best_of_random,
     "greedy": greedy.select,
     "least_squares": least_squares.select,
     "medoids": medoids.select,
-    "random": random.select,
-    "regular": regular.select,
+    "random": baselines.random_rows,
+    "regular": baselines.regular_grid,
 }
 
 # Streams of the widths' trials lie far from those of the replicates: no selection is judged by its own trial.

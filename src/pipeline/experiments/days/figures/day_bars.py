@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Literal
 
 from pydantic import Field
 
-from pipeline.experiments.days.figures._days import charged, weathers
+from pipeline.experiments.days.numbers import charged, weathers
 from pipeline.record import Record
 from pipeline.report import style
 from pipeline.report.records import FigureCard
@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-    from pipeline.report.data import ReportData
+    from pipeline.report.tables import ReportData
 
 
 READS = ("weather", "day")

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from pipeline.experiments.days.figures._days import charged, weathers
+from pipeline.experiments.days.numbers import charged, weathers
 from pipeline.report import style
 from pipeline.report.records import FigureCard, NoOptions
 
@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-    from pipeline.report.data import ReportData
+    from pipeline.report.tables import ReportData
 
 
 READS = ("weather", "day")

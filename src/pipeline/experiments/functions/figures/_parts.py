@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 if TYPE_CHECKING:
     from matplotlib.axis import Axis
 
-    from pipeline.report.data import Columns
+    from pipeline.report.tables import Columns
 
 
 FLOOR = 1e-20

@@ -12,7 +12,7 @@ from pipeline.report.records import FigureCard, NoOptions
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-    from pipeline.report.data import ReportData
+    from pipeline.report.tables import ReportData
 
 
 READS = ("network_size",)

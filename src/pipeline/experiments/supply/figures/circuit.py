@@ -15,7 +15,7 @@ from pipeline.report.records import FigureCard
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-    from pipeline.report.data import ReportData
+    from pipeline.report.tables import ReportData
 
 
 READS = ("system", "modes")

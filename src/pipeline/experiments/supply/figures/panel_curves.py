@@ -13,7 +13,7 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-    from pipeline.report.data import Columns, ReportData
+    from pipeline.report.tables import Columns, ReportData
 
 
 READS = ("panel",)

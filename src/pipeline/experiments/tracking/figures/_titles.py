@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from pipeline.report.data import ReportData
+    from pipeline.report.tables import ReportData
 
 
 def titles(data: ReportData, part: str = "trackers") -> Mapping[str, str]:

@@ -13,7 +13,7 @@ from pipeline.report.records import FigureCard, NoOptions
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-    from pipeline.report.data import ReportData
+    from pipeline.report.tables import ReportData
 
 
 READS = ("trade_off",)

@@ -1,4 +1,4 @@
-"""Rows on a regular grid over the inputs."""
+"""Selections to compare with that do not search: random rows, the best of many random strings, a regular grid."""
 
 from __future__ import annotations
 
@@ -10,7 +10,25 @@ from pipeline.grnn.selection.problem import Array, Problem, Selected, Strings, o
 from pipeline.search.streams import Generators
 
 
-def select(problem: Problem, random: Generators) -> Selected:
+def random_rows(problem: Problem, random: Generators) -> Selected:
+    """Return one set of distinct rows per replicate, as drawn: what a network costs that nobody selected for."""
+    points = len(problem.data.rate)
+    drawn = [generator.choice(points, size=problem.centres, replace=False) for generator in random]
+    return once(problem, np.stack(drawn))
+
+
+def best_of_random(problem: Problem, random: Generators) -> Selected:
+    """Return the best of as many random strings as the genetic algorithm evaluates, for each replicate."""
+    rows, error = [], []
+    for generator in random:
+        drawn = generator.integers(len(problem.data.rate), size=(problem.evaluations, problem.centres))
+        found = problem.errors(drawn)
+        rows.append(drawn[int(np.argmin(found))])
+        error.append(float(np.min(found)))
+    return Selected(np.stack(rows), np.array(error), problem.evaluations)
+
+
+def regular_grid(problem: Problem, random: Generators) -> Selected:
     """Return the rows nearest to the middles of n equal rectangles; nothing is random."""
     return once(problem, regular(problem.data.inputs, problem.centres)[None, :])
 
