@@ -96,6 +96,7 @@ def check(battery: Battery, mode: Mode, settings: ChargeSettings) -> None:
             check_sampled(f"phases.{name}", values, stop.get("elapsed_s", 0.0))
     _check_until("stop", stop, battery, settings)
     _check_ends(mode, stop, settings)
+    _check_charges(resolver, mode, battery, settings)
     _check_begun(resolver, mode, stop, battery, settings)
     check_watched(mode)
     unused = sorted(set(mode.knobs) - resolver.used)
@@ -115,22 +116,41 @@ def _check_phase(resolver: Resolver, where: str, phase: Phase, battery: Battery,
         _check_stages(where, waveform)
     if waveform.periodic:
         _check_period(where, waveform, values)
-    limits = {f"{where}.limit.voltage_v": _numbers(resolver.optional(phase.limit, f"{where}.limit")).get("voltage_v")}
-    if waveform.holds_voltage:
-        limits[f"{where}.voltage_v"] = values.get("voltage_v")
-    resting = resting_voltage_v(battery, settings.initial_soc, settings.ambient_c)
-    for path, limit in limits.items():
-        if limit is not None:
-            _check_voltage(path, limit, battery, settings)
-        if limit is not None and limit <= resting:
-            raise UserError(
-                f"{path}: {limit:g} V does not charge a battery that rests at {resting:.2f} V "
-                f"(SOC {settings.initial_soc:g}, {settings.ambient_c:g} degC); give more"
-            )
+    for path, limit in _voltages(resolver, where, phase).items():
+        _check_voltage(path, limit, battery, settings)
     until = _numbers(resolver.optional(phase.until, f"{where}.until"))
     _check_until(f"{where}.until", until, battery, settings)
     if phase.until.current_a is not None and not isinstance(waveform, ConstantVoltage | ConstantCurrent):
         raise UserError(f"{where}.until.current_a: only a constant current or voltage can end by current")
+
+
+def _voltages(resolver: Resolver, where: str, phase: Phase) -> dict[str, float]:
+    """Return the voltages that a phase keeps to, held or limiting, by key path; open ones are left out."""
+    limit = _numbers(resolver.optional(phase.limit, f"{where}.limit"))
+    found = {f"{where}.limit.{name}": value for name, value in limit.items()}
+    if phase.waveform.holds_voltage:
+        values = _numbers(parameters(resolver, phase.waveform, where))
+        found |= {f"{where}.voltage_v": values["voltage_v"]} if "voltage_v" in values else {}
+    return found
+
+
+def _check_charges(resolver: Resolver, mode: Mode, battery: Battery, settings: ChargeSettings) -> None:
+    """Refuse a sheet of which no phase charges the battery it begins with: all their voltages are below its own."""
+    resting = resting_voltage_v(battery, settings.initial_soc, settings.ambient_c)
+    low: dict[str, float] = {}
+    for name, phase in mode.phases.items():
+        if isinstance(phase.waveform, Rest):
+            continue
+        below = {key: v for key, v in _voltages(resolver, f"phases.{name}", phase).items() if v <= resting}
+        if not below:
+            return
+        low |= below
+    if low:
+        path, limit = next(iter(low.items()))
+        raise UserError(
+            f"{path}: {limit:g} V does not charge a battery that rests at {resting:.2f} V "
+            f"(SOC {settings.initial_soc:g}, {settings.ambient_c:g} degC); give more"
+        )
 
 
 def _check_value(path: str, name: str, value: float) -> None:

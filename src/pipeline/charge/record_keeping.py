@@ -13,7 +13,9 @@ from pipeline.cell.curves import value_and_slope
 from pipeline.cell.relaxation import LAGRANGE, response
 from pipeline.charge.moment import charge_transfer
 from pipeline.charge.state import (
+    BLOCKED,
     CHARGE,
+    CURRENT_CONTROL,
     DEPTH,
     ELECTRICAL,
     HYSTERESIS,
@@ -83,8 +85,11 @@ class Book(NamedTuple):
 def add_step(cell: Cell, run: Run, book: Book, length_s: float) -> None:
     """Add an accepted step to the sums since the last sample."""
     gain, at, sums, extremes = run.gain, run.at, book.sums, book.extremes
+    if run.control == BLOCKED:
+        # What is left is rounding.
+        gain[CHARGE] = gain[ELECTRICAL] = 0.0
     _add_charge(run, book, length_s)
-    if run.control == VOLTAGE_CONTROL:
+    if run.control == VOLTAGE_CONTROL or run.control == BLOCKED:
         sums[VOLTAGE_LIMITED_S] += length_s
     elif run.control == POWER_CONTROL:
         sums[SUPPLY_LIMITED_S] += length_s
@@ -95,7 +100,9 @@ def add_step(cell: Cell, run: Run, book: Book, length_s: float) -> None:
     v, a, t = at[TERMINAL_V], at[TOTAL], at[T]
     extremes[LOWEST_V] = min(extremes[LOWEST_V], min(min(v[0], v[1]), min(v[2], v[3])))
     extremes[HIGHEST_V] = max(extremes[HIGHEST_V], max(max(v[0], v[1]), max(v[2], v[3])))
-    extremes[LOWEST_A] = min(extremes[LOWEST_A], min(min(a[0], a[1]), min(a[2], a[3])))
+    lowest_a = min(min(a[0], a[1]), min(a[2], a[3]))
+    # Where something limits a charging current, what lies below zero is the rounding of where it got there.
+    extremes[LOWEST_A] = min(extremes[LOWEST_A], lowest_a if run.control == CURRENT_CONTROL else max(lowest_a, 0.0))
     extremes[HIGHEST_A] = max(extremes[HIGHEST_A], max(max(a[0], a[1]), max(a[2], a[3])))
     book.peak_k[0] = max(book.peak_k[0], max(max(t[0], t[1]), max(t[2], t[3])))
 

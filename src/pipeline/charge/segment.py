@@ -12,10 +12,10 @@ from pipeline.cell.circuit import Cell
 from pipeline.cell.relaxation import MOST_SLOTS, fill
 from pipeline.charge.moment import place_start, solve_start
 from pipeline.charge.state import (
+    BLOCKED,
     CURRENT_CONTROL,
     DEPTH,
     MAIN,
-    MOST_REMEMBERED,
     POWER_CONTROL,
     RELAXATIONS,
     START,
@@ -26,6 +26,8 @@ from pipeline.charge.state import (
     T,
     X,
     put,
+    recall,
+    remember,
 )
 from pipeline.charge.step import integrate, step_error
 from pipeline.charge.watching import watched_guard
@@ -35,7 +37,7 @@ from pipeline.jit import inlined, kernel
 ELAPSED, SOC, VOLTAGE, CURRENT, WARM, DROP, RATE = range(7)
 LIMITS = 7
 EDGE = 14
-TO_CURRENT, TO_VOLTAGE, TO_POWER, TO_BYPASS, TO_PAIR = range(15, 20)
+TO_CURRENT, TO_VOLTAGE, TO_POWER, TO_BYPASS, TO_PAIR, TO_BLOCKED, TO_RELEASED = range(15, 22)
 NOTHING, FAILED = -1, -2
 
 # Places in a row of limits: the edge of a stage, whether drop and rate are watched at all, then these two of the
@@ -76,14 +78,25 @@ def target_of(cell: Cell, demand: Demand, control: int) -> float:
     """Return what a control holds: current [A], voltage of a cell [V], or power of a cell [W]."""
     if control == CURRENT_CONTROL:
         return demand.current_a
+    if control == BLOCKED:
+        return 0.0
     if control == VOLTAGE_CONTROL:
         return demand.limit_v
     return float(demand.power_w / cell.cells)
 
 
+@inlined
+def solved_as(control: int) -> int:
+    """Return the control that the circuit is solved under: a blocked charger is one with a current of nothing."""
+    return CURRENT_CONTROL if control == BLOCKED else control
+
+
 @kernel
 def choose_control(cell: Cell, run: Run, demand: Demand) -> bool:
-    """Pick the control that gives the least current and solve the start in it; False where the circuit fails."""
+    """Pick the control that gives the least current and solve the start in it; False where the circuit fails.
+
+    A voltage that would have to be held by drawing from the battery blocks the charger instead.
+    """
     state, at = run.state, run.at
     run.control = CURRENT_CONTROL
     if cell.acceptance == 1:
@@ -96,6 +109,10 @@ def choose_control(cell: Cell, run: Run, demand: Demand) -> bool:
             run.control = VOLTAGE_CONTROL
             if not solve_start(cell, run, VOLTAGE_CONTROL, demand.limit_v, at[MAIN, START]):
                 return False
+            if at[TOTAL, START] < 0.0:
+                run.control = BLOCKED
+                if not solve_start(cell, run, CURRENT_CONTROL, 0.0, at[MAIN, START]):
+                    return False
         if cell.cells * at[TERMINAL_V, START] * at[TOTAL, START] > demand.power_w:
             run.control = POWER_CONTROL
             if not solve_start(cell, run, POWER_CONTROL, demand.power_w / cell.cells, at[MAIN, START]):
@@ -117,7 +134,7 @@ def continue_moment(cell: Cell, run: Run, demand: Demand) -> bool:
     # The step's own end is the better guess: where next to nothing is accepted, the start's balance is all rounding.
     run.guess_a = run.at[MAIN, 2]
     place_start(cell, run)
-    return solve_start(cell, run, run.control, target_of(cell, demand, run.control), run.guess_a)
+    return solve_start(cell, run, solved_as(run.control), target_of(cell, demand, run.control), run.guess_a)
 
 
 @inlined
@@ -132,6 +149,7 @@ def guard_at(cell: Cell, run: Run, demand: Demand, limits: NDArray[np.float64], 
     at, control = run.at, run.control
     total, terminal = at[TOTAL, j], at[TERMINAL_V, j]
     least, what = _NEVER, NOTHING
+    held = control in (VOLTAGE_CONTROL, BLOCKED)
     for of in range(2):
         base = 4 * of
         gap = at[X, j] - limits[base]
@@ -140,7 +158,7 @@ def guard_at(cell: Cell, run: Run, demand: Demand, limits: NDArray[np.float64], 
         gap = limits[base + 1] * (1.0 - ROUNDING) - terminal
         if gap < least:
             least, what = gap, LIMITS * of + VOLTAGE
-        if control == VOLTAGE_CONTROL and total - limits[base + 2] < least:
+        if held and total - limits[base + 2] < least:
             least, what = total - limits[base + 2], LIMITS * of + CURRENT
         gap = limits[base + 3] - at[T, j]
         if gap < least:
@@ -148,11 +166,17 @@ def guard_at(cell: Cell, run: Run, demand: Demand, limits: NDArray[np.float64], 
     if at[X, j] - limits[STAGE_EDGE] < least:
         least, what = at[X, j] - limits[STAGE_EDGE], EDGE
     if demand.charging:
+        if control == BLOCKED:
+            gap = terminal - demand.limit_v * (1.0 - _CHATTER)
+            if gap < least:
+                least, what = gap, TO_RELEASED
+        elif control == VOLTAGE_CONTROL and total < least:
+            least, what = total, TO_BLOCKED
         if control != CURRENT_CONTROL:
             gap = demand.current_a * (1.0 + _CHATTER) - total
             if gap < least:
                 least, what = gap, TO_CURRENT
-        if control != VOLTAGE_CONTROL:
+        if control != VOLTAGE_CONTROL and control != BLOCKED:
             gap = demand.limit_v * (1.0 + _CHATTER) - terminal
             if gap < least:
                 least, what = gap, TO_VOLTAGE
@@ -252,7 +276,7 @@ def try_step(cell: Cell, run: Run, demand: Demand, ambient_k: float, length_s: f
     slot = slot_of(cell, run, length_s)
     run.steps += 1
     target = target_of(cell, demand, run.control)
-    return integrate(cell, run, slot, run.control, target, run.bypassed == 1, ambient_k)
+    return integrate(cell, run, slot, solved_as(run.control), target, run.bypassed == 1, ambient_k)
 
 
 @inlined
@@ -262,31 +286,6 @@ def set_guess(cell: Cell, run: Run, length_s: float) -> None:
     guess = min(run.guess_a, 0.5 * run.state[DEPTH] * cell.charge_as / length_s)
     put(main, guess, guess, guess, main[START])
     put(t, t[START], t[START], t[START], t[START])
-
-
-@inlined
-def recall(run: Run, length_s: float) -> None:
-    """Guess what the same step of the last period came to, if it was of this length and under this control."""
-    if run.place >= MOST_REMEMBERED:
-        return
-    last, main, t = run.memory[run.segment, run.place], run.at[MAIN], run.at[T]
-    if last[8] == length_s and last[9] == run.control:
-        start = t[START]
-        put(main, last[0], last[1], last[2], main[START])
-        put(t, start + last[4], start + last[5], start + last[6], start + last[7])
-
-
-@inlined
-def remember(run: Run, length_s: float) -> None:
-    """Keep what a step came to, for the same step of the next period."""
-    if run.place >= MOST_REMEMBERED:
-        return
-    last, main, t = run.memory[run.segment, run.place], run.at[MAIN], run.at[T]
-    start = t[START]
-    put(last, main[0], main[1], main[2], main[3])
-    put(last[4:], t[0] - start, t[1] - start, t[2] - start, t[3] - start)
-    last[8], last[9] = length_s, run.control
-    run.place += 1
 
 
 @kernel

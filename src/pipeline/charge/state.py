@@ -11,7 +11,9 @@ from pipeline.cell.circuit import MOST_RELAXATIONS
 from pipeline.cell.relaxation import PASSED, WEIGHT_FIELDS
 from pipeline.jit import inlined, new_record
 
-CURRENT_CONTROL, VOLTAGE_CONTROL, POWER_CONTROL = range(3)
+# What a charger holds. Blocked: the battery stands above the voltage limit, and a charger does not draw from it; the
+# circuit is then solved for a current of nothing.
+CURRENT_CONTROL, VOLTAGE_CONTROL, POWER_CONTROL, BLOCKED = range(4)
 
 # State of the battery: 1 - SOC, temperature [K], hysteresis [V], then the relaxations.
 DEPTH, TEMPERATURE, HYSTERESIS, RELAXATIONS = range(4)
@@ -82,7 +84,7 @@ RUN = np.dtype(
         ("state", np.float64, (RELAXATIONS + MOST_RELAXATIONS,)),
         ("end", np.float64, (RELAXATIONS + MOST_RELAXATIONS,)),
         ("gain", np.float64, (PAIR_HEAT + MOST_RELAXATIONS,)),
-        ("proposal_s", np.float64, (3, 3)),
+        ("proposal_s", np.float64, (3, 4)),
         # Lengths of whole segments and how their pairs follow, of each segment.
         ("plain_s", np.float64, (3,)),
         ("plain", np.float64, (3, MOST_RELAXATIONS, 6)),
@@ -134,3 +136,28 @@ def put(row: NDArray[np.float64], a: float, b: float, c: float, d: float) -> Non
 def passed(of: NDArray[np.float64], j: int) -> float:
     """Return the integral of a quantity from the start to moment j, per unit of step length."""
     return float(PASSED[0, j] * of[0] + PASSED[1, j] * of[1] + PASSED[2, j] * of[2])
+
+
+@inlined
+def recall(run: Run, length_s: float) -> None:
+    """Guess what the same step of the last period came to, if it was of this length and under this control."""
+    if run.place >= MOST_REMEMBERED:
+        return
+    last, main, t = run.memory[run.segment, run.place], run.at[MAIN], run.at[T]
+    if last[8] == length_s and last[9] == run.control:
+        start = t[START]
+        put(main, last[0], last[1], last[2], main[START])
+        put(t, start + last[4], start + last[5], start + last[6], start + last[7])
+
+
+@inlined
+def remember(run: Run, length_s: float) -> None:
+    """Keep what a step came to, for the same step of the next period."""
+    if run.place >= MOST_REMEMBERED:
+        return
+    last, main, t = run.memory[run.segment, run.place], run.at[MAIN], run.at[T]
+    start = t[START]
+    put(last, main[0], main[1], main[2], main[3])
+    put(last[4:], t[0] - start, t[1] - start, t[2] - start, t[3] - start)
+    last[8], last[9] = length_s, run.control
+    run.place += 1

@@ -5,6 +5,7 @@ from __future__ import annotations
 from pipeline.cell.circuit import Cell
 from pipeline.cell.relaxation import LAGRANGE
 from pipeline.charge.state import (
+    BLOCKED,
     ENTROPY,
     ETA,
     HEAT,
@@ -58,9 +59,10 @@ def look_at_start(cell: Cell, run: Run, ambient_k: float) -> None:
 def peak_until(run: Run, j: int) -> float:
     """Return the highest voltage of a cell up to moment j of a step; over a whole step, also between its nodes [V].
 
-    There is none while the supply is the limit: it lowers the current, and the voltage with it, as the sun does.
+    There is none while the supply is the limit, which lowers the current, and the voltage with it, as the sun does; nor
+    while the charger is blocked.
     """
-    if run.control == POWER_CONTROL:
+    if run.control == POWER_CONTROL or run.control == BLOCKED:
         return NO_PEAK
     v = run.at[TERMINAL_V]
     highest = max(run.peak_v, v[START])
@@ -88,7 +90,7 @@ def watched_guard(cell: Cell, run: Run, charging: bool, drop_v: float, rate_k_s:
     """
     heat_w = run.start_heat_w if j == START else run.at[HEAT, j]
     warming = rate_k_s - heat_w / cell.heat_capacity_j_k
-    if not charging or run.control == POWER_CONTROL:
+    if not charging or run.control == POWER_CONTROL or run.control == BLOCKED:
         return warming, False
     falling = run.at[TERMINAL_V, j] - (peak_until(run, j) - drop_v)
     return min(falling, warming), falling < warming
