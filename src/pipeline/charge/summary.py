@@ -48,21 +48,23 @@ def summarise(
     gained_as = (start[DEPTH] - end[DEPTH]) * outcome.cell.charge_as
     scale_j = max(totals[ENERGY_IN], totals[ENERGY_OUT], 1e-9)
     peak_k, run = outcome.book.peak_k[0], outcome.run
-
-    numbers: dict[str, float] = {
+    # Below this is the rounding of a charger that was blocked or had no supply.
+    put_in = totals[CHARGE_IN] > 1e-12 * outcome.cell.charge_as
+    numbers: dict[str, float | None] = {
         "end_time_s": outcome.end_s,
         "end_soc": 1.0 - end[DEPTH],
         "charge_in_ah": totals[CHARGE_IN] / 3600,
         "charge_out_ah": totals[CHARGE_OUT] / 3600,
         "energy_in_wh": totals[ENERGY_IN] / 3600,
         "energy_out_wh": totals[ENERGY_OUT] / 3600,
-        "charge_efficiency": _ratio(gained_as, net_as),
-        "energy_efficiency": _ratio(of_path["chemical"], net_j),
+        "charge_efficiency": _ratio(gained_as, net_as) if put_in else None,
+        "energy_efficiency": _ratio(of_path["chemical"], net_j) if put_in else None,
+        "system_efficiency": _ratio(of_path["chemical"], totals[ENERGY_IN]) if put_in else None,
         "peak_temperature_c": peak_k - ZERO_CELSIUS_K,
         "peak_temperature_rise_k": peak_k - start[TEMPERATURE],
         "end_temperature_c": end[TEMPERATURE] - ZERO_CELSIUS_K,
         "peak_temperature_rate_k_s": _peak_rate_k_s(outcome),
-        "mean_current_a": _ratio(net_as, outcome.end_s),
+        "mean_current_a": net_as / outcome.end_s if outcome.end_s else 0.0,
         "time_at_voltage_limit_s": totals[VOLTAGE_LIMITED_S],
         "time_at_supply_limit_s": totals[SUPPLY_LIMITED_S],
         "energy_balance_residual": of_path["residual"] / scale_j,
@@ -104,5 +106,6 @@ def _peak_rate_k_s(outcome: Outcome) -> float:
     return float(np.max(np.diff(temperature) / np.diff(time))) if len(samples) else 0.0
 
 
-def _ratio(above: float, below: float) -> float:
-    return float(above / below) if below else 0.0
+def _ratio(above: float, below: float) -> float | None:
+    """Return a quotient; None where there is nothing to divide by."""
+    return float(above / below) if below > 0.0 else None

@@ -16,18 +16,23 @@ SUMMARY = Vocabulary(
         "charge_out_ah": ("Ah", "charge taken out by discharge pulses"),
         "energy_in_wh": ("Wh", "energy put in, discharge pulses not subtracted"),
         "energy_out_wh": ("Wh", "energy taken out by discharge pulses"),
-        "charge_efficiency": ("1", "charge gained (SOC) over net charge put in"),
+        "charge_efficiency": ("1", "charge gained (SOC) over net charge put in; none where none was"),
         "energy_efficiency": (
             "1",
             "stored chemical energy H(SOC) gained over net electrical energy put in; what discharge pulses "
             "give up outside the battery is not counted as lost",
+        ),
+        "system_efficiency": (
+            "1",
+            "stored chemical energy H(SOC) gained over all electrical energy drawn; what discharge pulses give up in "
+            "the resistor is counted as lost",
         ),
         "peak_temperature_c": ("degC", "highest battery temperature"),
         "peak_temperature_rise_k": ("K", "highest rise over the ambient"),
         "end_temperature_c": ("degC", "battery temperature at the end"),
         "peak_temperature_rate_k_s": ("K/s", "highest rate of the battery temperature, over a sampling interval"),
         "mean_current_a": ("A", "net charge put in over time"),
-        "time_at_voltage_limit_s": ("s", "time with the voltage held at its limit"),
+        "time_at_voltage_limit_s": ("s", "time with the voltage at its limit, or above it without current"),
         "time_at_supply_limit_s": ("s", "time with the supply at its limit"),
         "energy_balance_residual": ("1", "first law's residual over energy in"),
         "steps": ("1", "steps integrated, rejected ones and those of root finding included"),
