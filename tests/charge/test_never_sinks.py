@@ -3,10 +3,17 @@
 import numpy as np
 import pytest
 
+from pipeline.bus.records import Switching
+from pipeline.cell.records import Battery
 from pipeline.charge.records import EngineSettings, Mode
 from pipeline.charge.simulate import BENCH, Supply
+from pipeline.charge.waveforms import WAVEFORMS as CATALOGUE
+from pipeline.day.charge import charge_over_day
+from pipeline.day.records import DayConditions
 from tests.charge.clamped import Reference
 from tests.charge.samples import BATTERIES, SUITED, battery, charge, settings, values
+from tests.charge.test_exact import PLAIN
+from tests.day.samples import sun
 
 BEGIN_S, SPAN_S, HERTZ = 20.0, 12.0, 5.0
 PULSED = {"charge_share": 0.6, "frequency_hz": HERTZ}
@@ -25,6 +32,10 @@ def network(rate):
     """Return a network that commands the same rate everywhere."""
     ends = {"low": [0.0, -1.0], "high": [50.0, 1.0], "widths": [1.0, 1.0], "gradient_seconds": 60.0}
     return ends | {"centres": [[25.0, 0.0]], "outputs_c_rate": [rate]}
+
+
+def test_every_waveform_is_here():
+    assert {*WAVEFORMS, "rest"} == set(CATALOGUE)
 
 
 def amperes(name):
@@ -121,3 +132,52 @@ def test_a_float_after_absorption_waits_for_the_battery():
     assert voltage[0] > 13.2
     assert 0.0 < current[-1] < 0.02
     assert voltage[-1] == pytest.approx(13.2, abs=1e-9)
+
+
+@pytest.mark.parametrize("waveform", ["constant_current", "constant_voltage", "pulse", "reflex"])
+def test_the_instant_of_the_release_is_located(waveform):
+    """A pair relaxes by the exponential: it is at the limit after five seconds, whatever was tried before."""
+    pair = {"only": {"resistance_ohm": 0.1, "time_constant_s": 7.0}}
+    cell = Battery(**(PLAIN | {"open_circuit_voltage_v": 2.0, "pairs": pair}))
+    above = 0.1 * 0.5 * -np.expm1(-20.0 / 7.0) * np.exp(-5.0 / 7.0)
+    if waveform == "reflex":
+        # What is taken out lowers the pair too: five periods of a discharge of 1 mA for 0.2 s, 0.6 s after their start.
+        ends = np.arange(5) + 0.8
+        above -= 0.1 * 1e-3 * np.sum(np.exp(-(5.0 - ends) / 7.0) - np.exp(-(5.2 - ends) / 7.0))
+    own = WAVEFORMS[waveform](0.5, 2 * (2.0 + above))
+    own |= {"frequency_hz": 1.0} if waveform in ("pulse", "reflex") else {}
+    own |= {"discharge_a": 1e-3} if waveform == "reflex" else {}
+    phases = {
+        "begin": {"constant_current": {"current_a": 0.5}, "until": {"elapsed_s": 20.0}},
+        "low": {waveform: own, "limit": {"voltage_v": 2 * (2.0 + above)}},
+    }
+    window = [{"start_s": 20.0, "length_s": 9.0}]
+    mode = Mode(title=waveform, phases=phases, stop={"elapsed_s": 30.0})
+    wave = charge(cell, mode, settings(0.1, windows=window)).waveform
+    time, current = wave["time_s"], wave["current_a"]
+    first = int(np.argmax((current > 0.0) & (time > 20.0)))
+    # A thousand-millionth of the voltage below the limit, so that nothing chatters.
+    assert time[first - 1] == pytest.approx(25.0, abs=1e-6)
+    assert np.max(current[(time > 20.0) & (time < 25.0 - 1e-6)]) <= 0.0
+
+
+def test_nor_over_a_day_of_clouds():
+    """14.4 V, then 13.2 V, its sun coming and going: no current but into the battery."""
+    phases = {
+        "bulk": {"constant_voltage": {"voltage_v": 14.4, "max_current_a": 2.1}, "until": {"current_a": 0.35}},
+        "float": {"constant_voltage": {"voltage_v": 13.2, "max_current_a": 2.1}},
+    }
+    mode = Mode(title="float", phases=phases, stop={"elapsed_s": 40000})
+    clouds = sun([40.0] * 18 + [0.0, 40.0, 5.0] * 6 + [40.0] * 12, interval_s=600.0)
+    conditions = DayConditions(
+        initial_soc=0.8, switching=Switching(start_power_w=2.0, stop_power_w=1.0), sample_interval_s=5.0
+    )
+    found = charge_over_day(battery("lead_acid_12v7ah"), mode, clouds, conditions, EngineSettings())
+    assert found.charge_out_ah < 1e-14
+    assert np.min(found.trace["current_min_a"]) > -1e-12
+    trace = found.trace
+    floats = np.arange(len(trace["soc"])) > np.argmax(trace["current_min_a"] < 0.35)
+    blocked = floats & (trace["voltage_min_v"] > 13.2 + 1e-6)
+    assert np.sum(blocked) > 3
+    assert np.max(trace["current_max_a"][blocked]) < 1e-11  # rounding
+    assert np.max(trace["current_max_a"][floats]) > 0.02
