@@ -1,5 +1,6 @@
 import numpy as np
 import pytest
+from pydantic import ValidationError
 from scipy.integrate import quad
 
 from pipeline.cell.circuit import CELL
@@ -52,3 +53,24 @@ def test_a_table_is_monotone_between_its_points():
     bank = bank_of(CURVES["table"])
     found = [value_and_slope(bank, 0, x)[0] for x in np.linspace(0, 1, 301)]
     assert np.all(np.diff(found) < 0)
+
+
+def test_a_table_of_five_hundred_points_is_the_curve_it_samples():
+    soc = np.linspace(0, 1, 512)
+    bank = bank_of(Tabulated(soc=soc.tolist(), value=(3.0 + 0.5 * np.sin(1.5 * soc)).tolist()))
+    for x in np.linspace(0.001, 0.999, 97):
+        assert value_and_slope(bank, 0, x)[0] == pytest.approx(3.0 + 0.5 * np.sin(1.5 * (1 - x)), abs=1e-7)
+    with pytest.raises(ValidationError, match="at most 512"):
+        Tabulated(soc=np.linspace(0, 1, 513).tolist(), value=[3.0] * 513)
+
+
+def test_a_table_that_reaches_beyond_is_cut_at_full_and_empty():
+    wide = Tabulated(soc=[-0.05, 0.05, 0.5, 0.98, 1.05], value=[2.6, 3.0, 3.3, 3.4, 3.75])
+    cut = Tabulated(soc=[0, 0.05, 0.5, 0.98, 1], value=[2.8, 3.0, 3.3, 3.4, 3.5])
+    assert wide.outside == [-0.05, 1.05]
+    assert np.allclose(wide.inside, [cut.soc, cut.value], rtol=1e-15)
+    one, other = bank_of(wide), bank_of(cut)
+    for x in (0.0, 0.01, 0.3, 0.97, 1.0):
+        assert value_and_slope(one, 0, x) == pytest.approx(value_and_slope(other, 0, x), rel=1e-12)
+        assert value_of(wide, 1 - x) == pytest.approx(value_of(cut, 1 - x), rel=1e-12)
+    assert Tabulated.model_validate(wide.model_dump()) == wide

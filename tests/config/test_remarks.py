@@ -12,7 +12,7 @@ FILE = Path(pvlib.__file__).parent / "data" / "703165TY.csv"
 
 
 def test_a_study_of_its_own_files_tells_nothing() -> None:
-    assert run_of(["study=solar_reflex"]).remarks == ()
+    assert run_of(["study=solar_reflex"]).warnings == ()
 
 
 def test_the_plan_tells_what_a_file_was_taken_for_and_which_values_are_usual_ones() -> None:
@@ -25,6 +25,6 @@ def test_the_plan_tells_what_a_file_was_taken_for_and_which_values_are_usual_one
         "~panel.cells_in_series",
     ]
     (run,) = make_plan([words])["runs"]
-    assert "day.weathers.clear: taken for TMY3, read by pvlib" in run["remarks"]
-    assert any(line.startswith("panel.cells_in_series: 36, not given: usual for") for line in run["remarks"])
+    assert "day.weathers.clear: taken for TMY3, read by pvlib" in run["warnings"]
+    assert any(line.startswith("panel.cells_in_series: 36, not given: usual for") for line in run["warnings"])
     assert run["sources"]["panel.cells_in_series"]["kind"] == "estimate"

@@ -8,13 +8,13 @@ from typing import Any
 
 import numpy as np
 
-from pipeline.cell.records import Curve, Inverse, Logarithm, Polynomial, Root, Shepherd
+from pipeline.cell.records import MOST_POINTS, Curve, Inverse, Logarithm, Polynomial, Root, Shepherd
 from pipeline.jit import inlined, kernel
 
 CONSTANT, POLYNOMIAL, LOGARITHM, ROOT, SHEPHERD, INVERSE, TABLE = range(7)
 
 
-MOST_CURVES, MOST_PIECES = 10, 64
+MOST_CURVES, MOST_PIECES = 10, MOST_POINTS
 CURVE_FIELDS = [
     ("kind", np.int64, (MOST_CURVES,)),
     ("pieces", np.int64, (MOST_CURVES,)),
@@ -62,8 +62,9 @@ def _compile(bank: Any, row: int, curve: Curve, factor: float) -> None:
         from scipy.interpolate import PchipInterpolator
 
         bank["kind"][row] = TABLE
-        depth = 1.0 - np.array(curve.soc[::-1])
-        cubic = PchipInterpolator(depth, factor * curve.scale * np.array(curve.value[::-1]))
+        grid, values = curve.inside
+        depth = 1.0 - np.array(grid[::-1])
+        cubic = PchipInterpolator(depth, factor * curve.scale * np.array(values[::-1]))
         pieces = len(depth) - 1
         bank["pieces"][row] = pieces
         bank["knots"][row, :pieces] = depth[:-1]

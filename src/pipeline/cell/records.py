@@ -47,22 +47,47 @@ class Inverse(Record):
     depth_offset: float = Field(ge=0, description="how far beyond full the pole lies [1]")
 
 
-class Tabulated(Record):
-    """Values on a grid of SOC, joined by monotone cubics (PCHIP)."""
+MOST_POINTS = 512
 
-    soc: list[float] = Field(min_length=3, max_length=64, description="grid from 0 to 1, rising [1]")
-    value: list[float] = Field(min_length=3, max_length=64, description="value at each grid point")
+
+class Tabulated(Record):
+    """Values on a grid of SOC, joined by monotone cubics (PCHIP); a grid that reaches beyond 0 or 1 is cut there."""
+
+    soc: list[float] = Field(min_length=3, max_length=MOST_POINTS, description="grid over 0 to 1, rising [1]")
+    value: list[float] = Field(min_length=3, max_length=MOST_POINTS, description="value at each grid point")
     scale: float = Field(1.0, description="factor of every value [1]")
 
     @model_validator(mode="after")
     def _grid(self) -> Self:
         if len(self.soc) != len(self.value):
             raise ValueError(f"soc has {len(self.soc)} points but value has {len(self.value)}; both need the same")
-        if self.soc[0] != 0.0 or self.soc[-1] != 1.0:
+        if self.soc[0] > 0.0 or self.soc[-1] < 1.0:
             raise ValueError(f"soc runs from {self.soc[0]:g} to {self.soc[-1]:g}; it must run from 0 to 1")
         if any(after <= before for before, after in zip(self.soc, self.soc[1:], strict=False)):
             raise ValueError("soc must rise from point to point")
+        if len(self.inside[0]) < 3:
+            raise ValueError("soc has no point between 0 and 1; give at least one")
         return self
+
+    @property
+    def outside(self) -> list[float]:
+        """Return the points of the grid beyond 0 and 1, which are cut off."""
+        return [soc for soc in self.soc if not 0.0 <= soc <= 1.0]
+
+    @property
+    def inside(self) -> tuple[list[float], list[float]]:
+        """Return the grid from 0 to 1 and the values on it; where it is cut, an edge is on the line between two."""
+        kept = [(soc, value) for soc, value in zip(self.soc, self.value, strict=True) if 0.0 < soc < 1.0]
+        points = [(0.0, self.on_line(0.0)), *kept, (1.0, self.on_line(1.0))]
+        return [soc for soc, _ in points], [value for _, value in points]
+
+    def on_line(self, soc: float) -> float:
+        """Return the unscaled value at an SOC on the straight line between two points of the grid."""
+        after = next(n for n in range(1, len(self.soc)) if soc <= self.soc[n])
+        if soc in (self.soc[after - 1], self.soc[after]):
+            return self.value[self.soc.index(soc)]
+        share = (soc - self.soc[after - 1]) / (self.soc[after] - self.soc[after - 1])
+        return self.value[after - 1] + share * (self.value[after] - self.value[after - 1])
 
 
 Curve = float | Polynomial | Logarithm | Root | Shepherd | Inverse | Tabulated
@@ -87,11 +112,7 @@ def value_of(curve: Curve, soc: float) -> float:
         return curve.full_v - curve.polarisation_v * depth / soc if soc > 0.0 else -math.inf
     if isinstance(curve, Inverse):
         return curve.factor / (depth + curve.depth_offset) if depth + curve.depth_offset > 0.0 else math.inf
-    for n in range(1, len(curve.soc)):
-        if soc <= curve.soc[n]:
-            share = (soc - curve.soc[n - 1]) / (curve.soc[n] - curve.soc[n - 1])
-            return curve.scale * (curve.value[n - 1] + share * (curve.value[n] - curve.value[n - 1]))
-    return curve.scale * curve.value[-1]
+    return curve.scale * curve.on_line(min(max(soc, 0.0), 1.0))
 
 
 class Pair(Record):
@@ -202,6 +223,25 @@ class Battery(Record):
         return self.capacity_ah * self.scale
 
 
+def curves_of(battery: Battery) -> Iterator[tuple[str, Curve]]:
+    """Yield the key below the battery and the curve of everything in it that may depend on SOC."""
+    yield "open_circuit_voltage_v", battery.open_circuit_voltage_v
+    yield "entropic_coefficient_v_k", battery.entropic_coefficient_v_k
+    yield "series_resistance_ohm", battery.series_resistance_ohm
+    for name, pair in battery.pairs.items():
+        yield f"pairs.{name}.resistance_ohm", pair.resistance_ohm
+    if battery.charge_transfer is not None:
+        yield "charge_transfer.exchange_current_a", battery.charge_transfer.exchange_current_a
+
+
+def cuts(battery: Battery) -> Iterator[str]:
+    """Yield a sentence for each table with points beyond SOC 0 or 1: the key below the battery, and the points."""
+    for key, curve in curves_of(battery):
+        if isinstance(curve, Tabulated) and curve.outside:
+            points = ", ".join(f"{soc:g}" for soc in curve.outside)
+            yield f"{key}.soc: SOC {points} lies outside 0 to 1 and is left out; the edges are interpolated"
+
+
 def resting_voltage_v(battery: Battery, soc: float, temperature_c: float) -> float:
     """Return the open-circuit voltage of a battery [V].
 
@@ -248,7 +288,7 @@ def faults(battery: Battery) -> Iterator[str]:
 
 
 def _low(key: str, curve: Curve, unit: str) -> Iterator[str]:
-    grid = curve.soc if isinstance(curve, Tabulated) else _GRID
+    grid = curve.inside[0] if isinstance(curve, Tabulated) else _GRID
     lowest, soc = min((value_of(curve, soc), soc) for soc in grid)
     if lowest < 0.0:
         yield f"{key} is {lowest:g} {unit} at SOC {soc:g}; it must be 0 or greater"

@@ -65,7 +65,7 @@ def check_watched(mode: Mode) -> None:
     places = [(f"phases.{name}.until", mode.phases[name].until, name in pulsed) for name in mode.phases]
     for where, until, wrong in [*places, ("stop", mode.stop, bool(pulsed))]:
         for name in WATCHED:
-            if wrong and getattr(until, name) is not None:
+            if wrong and name in until.given:
                 raise UserError(f"{where}.{name}: needs a steady current; pulses change voltage and heat by themselves")
     sampled = [phase.waveform for phase in mode.phases.values() if isinstance(phase.waveform, Sampled)]
     if any(other != sampled[0] for other in sampled[1:]):
@@ -87,7 +87,7 @@ def check(battery: Battery, mode: Mode, settings: ChargeSettings) -> None:
     ------
     UserError : with the key path below the mode, the value and what is allowed.
     """
-    resolver = Resolver(mode, battery.capacity_in_use_ah)
+    resolver = Resolver(mode, battery.capacity_in_use_ah, battery.cells_in_series)
     stop = _numbers(resolver.optional(mode.stop, "stop"))
     for name, phase in mode.phases.items():
         _check_phase(resolver, f"phases.{name}", phase, battery, settings)
@@ -120,8 +120,14 @@ def _check_phase(resolver: Resolver, where: str, phase: Phase, battery: Battery,
         _check_voltage(path, limit, battery, settings)
     until = _numbers(resolver.optional(phase.until, f"{where}.until"))
     _check_until(f"{where}.until", until, battery, settings)
-    if phase.until.current_a is not None and not isinstance(waveform, ConstantVoltage | ConstantCurrent):
-        raise UserError(f"{where}.until.current_a: only a constant current or voltage can end by current")
+    if "current_a" in phase.until.given:
+        if not isinstance(waveform, ConstantVoltage | ConstantCurrent):
+            raise UserError(f"{where}.until.current_a: only a constant current or voltage can end by current")
+        if all(limit is None for limit in limits.values()):
+            raise UserError(
+                f"{where}.until.current_a: the current falls where a voltage is held, and nothing holds one; "
+                "give limit.voltage_v"
+            )
 
 
 def _voltages(resolver: Resolver, where: str, phase: Phase) -> dict[str, float]:

@@ -7,7 +7,7 @@ from collections.abc import Collection
 from pipeline.cell.records import Battery
 from pipeline.charge.protocol import C_RATE, Resolver
 from pipeline.charge.records import Mode
-from pipeline.charge.waveforms import Reflex, Until, Waveform
+from pipeline.charge.waveforms import Reflex, Until, Waveform, of_battery
 from pipeline.errors import UserError
 from pipeline.record import Reference
 
@@ -67,7 +67,7 @@ def with_stops(mode: Mode, stops: Collection[str] | None) -> Mode:
     """
     if stops is None:
         return mode
-    kept = {name: value for name, value in mode.stop if name in {*stops, "elapsed_s"}}
+    kept = {name: value for name, value in mode.stop if of_battery(name)[0] in {*stops, "elapsed_s"}}
     return mode.model_copy(update={"stop": Until(**kept)})
 
 
@@ -90,7 +90,7 @@ def constant_current_a(mode: Mode, battery: Battery) -> float:
     ------
     UserError : no phase has a constant current, or it is still to be found.
     """
-    resolver = Resolver(mode, battery.capacity_in_use_ah)
+    resolver = Resolver(mode, battery.capacity_in_use_ah, battery.cells_in_series)
     for name, phase in mode.phases.items():
         for parameter in ("max_current_a", "current_a"):
             if parameter in type(phase.waveform).model_fields:

@@ -119,7 +119,7 @@ def missed(outcome: Outcome, mode: Mode) -> str | None:
     Time and temperature are limits: a charge that has no goal beside them misses nothing.
     """
     name, limits, of_stop = _end(outcome, -1)
-    goals = {goal: outcome.protocol.stop[goal] for goal in _GOALS if getattr(mode.stop, goal) is not None}
+    goals = {goal: outcome.protocol.stop[goal] for goal in _GOALS if goal in mode.stop.given}
     end_soc = 1.0 - float(outcome.run["state"][DEPTH])
     if not goals or (name in _GOALS and (of_stop or name not in goals)):
         return None

@@ -7,7 +7,7 @@ from dataclasses import dataclass, field, replace
 from typing import Any
 
 from pipeline.charge.records import Mode, Phase
-from pipeline.charge.waveforms import Segment, Staged, Waveform
+from pipeline.charge.waveforms import PER_CAPACITY, Segment, Staged, Waveform, of_battery, spellings
 from pipeline.errors import UserError, best_matches
 from pipeline.record import Number, Record, Reference
 
@@ -43,14 +43,22 @@ class Protocol:
 class Resolver:
     """Looks up knobs and keeps note of those used."""
 
-    def __init__(self, mode: Mode, capacity_in_use_ah: float) -> None:
+    def __init__(self, mode: Mode, capacity_in_use_ah: float, cells: int | None = None) -> None:
+        """Take the knobs of a mode.
+
+        Arguments
+        ---------
+        capacity_in_use_ah : for what is given as a C-rate [A h].
+        cells : cells in series, for what is given per cell; none where nobody asks for a voltage.
+        """
         self.knobs = mode.knobs
         self.capacity_in_use_ah = capacity_in_use_ah
+        self.cells = cells
         self.used: set[str] = set()
 
     def holds(self, name: str) -> bool:
         """Tell whether a parameter has a knob of its own name."""
-        return name in self.knobs or name.removesuffix("_a") + C_RATE in self.knobs
+        return any(key in self.knobs for key in spellings(name))
 
     def number(self, value: Any, name: str, where: str) -> Number | None:
         """Return the number behind a parameter; a reference that is still open comes back as it is.
@@ -58,32 +66,40 @@ class Resolver:
         Arguments
         ---------
         value : number, name of a knob, or None for the knob called `name`.
+        name : of the parameter; with an ending of `SCALED`, a number or a plain knob is multiplied.
         where : key path, for the message.
 
         Raises
         ------
         UserError : no such knob.
         """
+        own, per = of_battery(name)
         if isinstance(value, float | int):
-            return float(value)
-        wanted = name if value is None else value
-        for key in (wanted, wanted.removesuffix("_a") + C_RATE):
+            return self._scaled(float(value), per)
+        wanted = own if value is None else value
+        for key in spellings(wanted):
             if key in self.knobs:
                 self.used.add(key)
                 knob = self.knobs[key]
-                if isinstance(knob, Reference):
-                    return knob
-                return knob * self.capacity_in_use_ah if key.endswith(C_RATE) else knob
-        stem = wanted.removesuffix("_a")
-        names = wanted if stem == wanted else f"{wanted} or {stem}{C_RATE}"
+                return knob if isinstance(knob, Reference) else self._scaled(knob, of_battery(key)[1] or per)
+        names = " or ".join(spellings(wanted))
         said = f"not given, and the mode has no knob {names}" if value is None else f"names the knob {wanted!r}"
         near = f"; {best_matches(wanted, self.knobs)}" if self.knobs else ""
         raise UserError(f"{where}: {said}{near}")
 
+    def _scaled(self, number: float, per: str | None) -> float:
+        if per is None:
+            return number
+        if per == PER_CAPACITY:
+            return number * self.capacity_in_use_ah
+        if self.cells is None:
+            raise ValueError("a voltage per cell needs the number of cells")
+        return number * self.cells
+
     def optional(self, record: Record, where: str) -> dict[str, Number]:
-        """Return the numbers of those fields of a record that are given."""
+        """Return the numbers of those fields of a record that are given, by their names for a whole battery."""
         given = {name: value for name, value in record if value is not None}
-        found = {name: self.number(value, name, f"{where}.{name}") for name, value in given.items()}
+        found = {of_battery(name)[0]: self.number(value, name, f"{where}.{name}") for name, value in given.items()}
         return {name: value for name, value in found.items() if value is not None}
 
 
@@ -107,19 +123,20 @@ def parameters(resolver: Resolver, waveform: Waveform, where: str) -> dict[str, 
     return {name: value for name, value in found.items() if value is not None}
 
 
-def resolve(mode: Mode, capacity_in_use_ah: float, fills: bool = False) -> Protocol:
+def resolve(mode: Mode, capacity_in_use_ah: float, fills: bool = False, cells: int | None = None) -> Protocol:
     """Return a mode in numbers.
 
     Arguments
     ---------
-    capacity_in_use_ah : for knobs given as C-rates [A h].
+    capacity_in_use_ah : for what is given as a C-rate [A h].
     fills : nothing in the battery keeps it below SOC 1, so that the charge must stop there.
+    cells : cells in series, for what is given per cell; may be left out where nothing is.
 
     Raises
     ------
     UserError : a parameter without a value, a name that is no knob, or a reference that is still open.
     """
-    resolver = Resolver(mode, capacity_in_use_ah)
+    resolver = Resolver(mode, capacity_in_use_ah, cells)
     once: list[list[Course]] = []
     for name, phase in mode.phases.items():
         once.append(_courses(resolver, name, phase))

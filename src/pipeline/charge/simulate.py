@@ -117,7 +117,7 @@ def run(battery: Battery, mode: Mode, supply: Supply, settings: ChargeSettings, 
     """Run the engine and return its arrays; arguments and errors are those of `simulate`."""
     check(battery, mode, settings)
     cell = compile_cell(battery)
-    protocol = resolve(mode, battery.capacity_in_use_ah, battery.fills)
+    protocol = resolve(mode, battery.capacity_in_use_ah, battery.fills, battery.cells_in_series)
     program = compile_program(protocol, battery.cells_in_series, engine.driver)
     state = resting_run(cell, settings.initial_soc, settings.ambient_c + ZERO_CELSIUS_K)
     start = state["state"].copy()

@@ -7,15 +7,32 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from typing import Annotated, ClassVar, NamedTuple
+from typing import Annotated, ClassVar, NamedTuple, Self
 
-from pydantic import Field
+from pydantic import Field, model_validator
 
 from pipeline.grnn.charger_network import ChargerNetwork
 from pipeline.record import Record, Reference
 
 Value = float | str | None
 """A number, the name of a knob, or none for the knob of the parameter's own name."""
+
+PER_CAPACITY, PER_CELL = "capacity", "cells"
+SCALED = {"_c_rate": ("_a", PER_CAPACITY), "_v_cell": ("_v", PER_CELL)}
+"""Ending of a quantity that goes with any battery -> that of the battery's own, and what it is multiplied by."""
+
+
+def of_battery(name: str) -> tuple[str, str | None]:
+    """Return what a quantity is called for a whole battery, and what it is multiplied by to be that; none if it is."""
+    for ending, (own, per) in SCALED.items():
+        if name.endswith(ending):
+            return name.removesuffix(ending) + own, per
+    return name, None
+
+
+def spellings(name: str) -> list[str]:
+    """Return the names under which a quantity of a battery may be given, its own first."""
+    return [name, *(name.removesuffix(own) + ending for ending, (own, _) in SCALED.items() if name.endswith(own))]
 
 
 class Segment(NamedTuple):
@@ -26,25 +43,46 @@ class Segment(NamedTuple):
     charging: bool
 
 
-class Limit(Record):
+class Bounds(Record):
+    """The base of limits and ends: a quantity stands there for the battery, or per cell or capacity, not both."""
+
+    @model_validator(mode="after")
+    def _once(self) -> Self:
+        for name in type(self).model_fields:
+            own, per = of_battery(name)
+            if per is not None and getattr(self, name) is not None and getattr(self, own) is not None:
+                raise ValueError(f"{own} and {name} are one quantity; give one of them")
+        return self
+
+    @property
+    def given(self) -> frozenset[str]:
+        """Return the quantities that are given, by their names for a whole battery."""
+        return frozenset(of_battery(name)[0] for name, value in self if value is not None)
+
+
+class Limit(Bounds):
     """What a charging segment may not exceed."""
 
     voltage_v: Value = Field(None, description="terminal voltage [V]")
+    voltage_v_cell: Value = Field(None, description="the same per cell in series [V]")
 
 
-class Until(Record):
+class Until(Bounds):
     """What ends a phase or a charge, whichever comes first."""
 
     elapsed_s: Value = Field(None, description="time since its start [s]")
     soc: Value = Field(None, description="state of charge reached [1]")
     voltage_v: Value = Field(None, description="terminal voltage reached from below [V]")
-    current_a: Value = Field(None, description="current fallen to, while the voltage is held [A]")
+    voltage_v_cell: Value = Field(None, description="the same per cell in series [V]")
+    current_a: Value = Field(None, description="tail current fallen to, while the voltage is held [A]")
+    current_c_rate: Value = Field(None, description="the same over the capacity in use [C-rate]")
     temperature_c: Value = Field(None, description="battery temperature reached [degC]")
     voltage_drop_v: Value = Field(
         None,
         description="terminal voltage fallen below its peak since the current was last lowered, by the sheet or by a "
         "supply at its limit, while which nobody watches, -dV [V]",
     )
+    voltage_drop_v_cell: Value = Field(None, description="the same per cell in series [V]")
     temperature_rate_k_s: Value = Field(None, description="rate of the battery temperature reached, dT/dt [K/s]")
 
 

@@ -41,6 +41,8 @@ def main(arguments: Sequence[str]) -> int:
             _show(run)
         return 0
     plan = make_plan(runs)
+    for line in planfile.warnings(plan):
+        print(line, file=sys.stderr, flush=True)
     planfile.target(plan, options_.target)
     file = planfile.save(plan, store.RESULTS)
     print(

@@ -71,8 +71,8 @@ class Workflow:
             planfile.target(self.plan, name)
         self.asked = [name for name in self.plan["targets"] if name in asked] or ["all"]
         if tidy:
-            for remark in dict.fromkeys(line for run in self.plan["runs"] for line in run["remarks"]):
-                _say(remark)
+            for line in planfile.warnings(self.plan) if not config.get("plan") else ():
+                _say(line)
             verify = str(config.get("verify", False)).lower() == "true"
             store.drop_broken_receipts(results, self.plan["chunks"], verify, _say)
             publish.drop_outdated(self.plan, results, self.files())

@@ -52,7 +52,7 @@ def run_of(words: Sequence[str]) -> plan.Run:
         study.configuration,
         plain(study.sources),
         tuple(drafts(study)),
-        tuple(remark for one in registry.experiments().values() for remark in one.remarks(study)),
+        warnings=tuple(line for one in registry.experiments().values() for line in one.warns(study)),
     )
 
 

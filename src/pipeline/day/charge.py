@@ -112,7 +112,7 @@ def charge_over_day(
     first_c = air[0][1] - ZERO_CELSIUS_K
     check(battery, mode, ChargeSettings(initial_soc=conditions.initial_soc, ambient_c=first_c))
     cell = compile_cell(battery)
-    sheet = resolve(mode, battery.capacity_in_use_ah, battery.fills)
+    sheet = resolve(mode, battery.capacity_in_use_ah, battery.fills, battery.cells_in_series)
     run = resting_run(cell, conditions.initial_soc, air[0][1])
     start = run["state"].copy()
     spans = charging_spans(day.time_s, day.power_w, day.end_s, conditions.switching)

@@ -149,10 +149,6 @@ def _never(study: Any) -> bool:
     return False
 
 
-def _no_remarks(study: Any) -> Iterable[str]:
-    return ()
-
-
 def _no_names(study: Any) -> Mapping[str, Any]:
     return {}
 
@@ -172,8 +168,8 @@ class Experiment:
         Entries that nothing names are left out of the configuration.
     written : field of the part -> another record as which it may be written; `prepare` makes the field's own of it.
     prepare : (composed, values, written sources) -> values, before they are validated.
+    warns : study -> sentences for whoever plans it, each beginning with a key path; nothing is refused.
     checks : study -> nothing; raises `UserError`, its message beginning with a key path, for what no record can check.
-    remarks : study -> sentences that a person reads before anything runs: what a file was taken for, a doubtful value.
     finds : study -> step -> names of the values that it finds.
     inputs : study -> names of the artefacts that statements may read, also with modes that a run leaves out.
     fields : study -> step -> field in the names of its quantities -> the values it may take; no step: not checked.
@@ -192,7 +188,7 @@ class Experiment:
     written: Mapping[str, type] = field(default_factory=dict)
     prepare: Callable[[Any, dict[str, Any], dict[str, Any]], dict[str, Any]] | None = None
     checks: tuple[Callable[[Any], None], ...] = ()
-    remarks: Callable[[Any], Iterable[str]] = _no_remarks
+    warns: Callable[[Any], Iterable[str]] = _no_nodes  # type: ignore[assignment]
     finds: Callable[[Any], Mapping[str, tuple[str, ...]]] = _no_names
     inputs: Callable[[Any], Iterable[str]] = _no_nodes  # type: ignore[assignment]
     fields: Callable[[Any], Mapping[str, Mapping[str, Iterable[object]]]] = _no_names

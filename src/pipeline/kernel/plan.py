@@ -34,8 +34,8 @@ class Run:
     seed : root of its random streams.
     configuration, sources : as composed, plain data.
     nodes : inputs before those that read them.
-    remarks : sentences that a person reads before anything runs.
     target : the one target that makes a run which `all` leaves out.
+    warnings : what whoever planned it was told.
     """
 
     study: str
@@ -45,8 +45,8 @@ class Run:
     configuration: Mapping[str, Any]
     sources: Mapping[str, Any]
     nodes: tuple[Draft, ...]
-    remarks: tuple[str, ...] = ()
     target: str | None = None
+    warnings: tuple[str, ...] = ()
     keys: dict[str, str] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
@@ -60,9 +60,9 @@ class Run:
             "name": self.name,
             "overrides": list(self.overrides),
             "seed": self.seed,
-            "remarks": list(self.remarks),
             "configuration": self.configuration,
             "sources": self.sources,
+            "warnings": list(self.warnings),
             "nodes": {node.name: {"step": node.step, "key": self.keys[node.name]} for node in self.nodes},
             "view": [
                 {"step": node.step, "key": self.keys[node.name], "file": file, "place": place, "room": node.room}

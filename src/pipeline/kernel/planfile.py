@@ -69,3 +69,9 @@ def command(study: str, overrides: Sequence[str]) -> str:
         return f"snakemake --cores 2 {study}"
     words = " ".join([f"study={study}", *(shlex.quote(word) for word in overrides)])
     return f"snakemake --cores 2 all --config overrides={shlex.quote(words)}"
+
+
+def warnings(plan: Mapping[str, Any]) -> list[str]:
+    """Return what whoever makes a plan is told of its runs, each sentence once."""
+    told = [f"warning: {run['study']}/{run['name']}: {line}" for run in plan["runs"] for line in run["warnings"]]
+    return list(dict.fromkeys(told))

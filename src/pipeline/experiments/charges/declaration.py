@@ -8,7 +8,7 @@ from typing import Any
 from pipeline.charge.comparison import compared
 from pipeline.charge.vocabulary import SUMMARY
 from pipeline.config.compose import options
-from pipeline.experiments.charges.records import ChargesPart, check_modes, prepare
+from pipeline.experiments.charges.records import ChargesPart, check_modes, prepare, warn_modes
 from pipeline.experiments.charges.tables import CHARGE, ENSEMBLE
 from pipeline.kernel.draft import plain
 from pipeline.kernel.experiment import FOUND, Experiment, Label, Node, Step
@@ -171,6 +171,7 @@ EXPERIMENT = Experiment(
     refers={"run": "modes", "comparisons.*.mean_current_of": "modes"},
     prepare=prepare,
     checks=(check_modes,),
+    warns=warn_modes,
     inputs=_readable,
     fields=_fields,
     labels={

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from typing import Any, Literal
 
 from pydantic import Field
 
-from pipeline.cell.records import Battery
+from pipeline.cell.records import Battery, cuts
 from pipeline.charge.checks import check
 from pipeline.charge.ensemble import EnsembleSettings
 from pipeline.charge.records import ChargeSettings, EngineSettings, Mode
@@ -80,6 +80,19 @@ def check_modes(study: Any) -> None:
             if battery is not None:
                 meant = f"; meant is the second battery, {battery.name}" if battery is study.second_battery else ""
                 _check(f"modes.{name}", battery, study.modes[name], study.charge, meant)
+
+
+def batteries(study: Any) -> dict[str, Battery]:
+    """Return key path -> battery, for every battery of a study: the second one and calibrations too."""
+    found = {"battery": study.battery, "second_battery": study.second_battery}
+    others = {f"calibrations.{name}": one for name, one in getattr(study, "calibrations", {}).items()}
+    return {path: one for path, one in (found | others).items() if one is not None}
+
+
+def warn_modes(study: Any) -> Iterator[str]:
+    """Yield what whoever plans the charges should know of them."""
+    for path, battery in batteries(study).items():
+        yield from (f"{path}.{told}" for told in cuts(battery))
 
 
 def _check(path: str, battery: Battery, mode: Mode, charge: ChargeSettings, meant: str) -> None:

@@ -213,7 +213,7 @@ EXPERIMENT = Experiment(
     written={"panel": PanelEntry},
     prepare=by_name,
     checks=(check,),
-    remarks=_remarks,
+    warns=_remarks,
     inputs=lambda study: ("panel", "supply") if study.panel is not None else (),
     labels={
         "system": Label(
