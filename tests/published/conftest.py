@@ -27,6 +27,10 @@ POINT = {
     "max_power_w": 65.25,
 }
 PRINTED = "p_max_w,v_mp_v,i_mp_a,v_oc_v,i_sc_a\n{},{},3.75,21.7,3.99\n"
+# The word of a statement that is false, by its basis.
+FALSE = dict.fromkeys(("paper_data", "mathematics"), "contradicted") | dict.fromkeys(
+    ("model", "search"), "not reproduced"
+)
 Numbers = Mapping[str, float]
 UNITS = {"_s": "s", "_k": "K", "_c": "degC", "_hz": "Hz", "_ah": "Ah", "_mw2_s": "mW2 s"}
 

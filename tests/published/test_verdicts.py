@@ -7,11 +7,14 @@ from collections.abc import Callable
 from typing import Any
 
 import pytest
+from scipy.stats import binom
 
 from pipeline.kernel import tables
 from pipeline.published.artefacts import Lookup
 from pipeline.published.evaluate import VERDICTS, evaluate
 from pipeline.published.records import Statement
+from pipeline.published.words import Robust, counted, word
+from tests.published.conftest import FALSE
 
 CC, REFLEX = "charge/p/cc_cv", "charge/p/cv_reflex"
 COOLER = {"less": {"value": f"rise_k of {REFLEX}", "than": f"rise_k of {CC}"}}
@@ -31,14 +34,14 @@ def summaries(reflex_k: float, cc_k: float = 5.0) -> dict[str, dict[str, float]]
     return {CC: {"rise_k": cc_k}, REFLEX: {"rise_k": reflex_k}}
 
 
-@pytest.mark.parametrize("basis", ["model", "paper_data"])
+@pytest.mark.parametrize("basis", FALSE)
 @pytest.mark.parametrize(
     ("reflex_k", "calibrated_to", "verdict", "margin"),
     [
         (4.0, (), "holds", 1.0),
-        (6.0, (), "contradicted", -1.0),
+        (6.0, (), None, -1.0),
         (4.0, ("cooler",), "calibrated", 1.0),
-        (6.0, ("cooler",), "fails", -1.0),
+        (6.0, ("cooler",), None, -1.0),
         (4.0, ("another",), "holds", 1.0),
         (math.nan, (), "not checkable", None),
         (math.nan, ("cooler",), "not checkable", None),
@@ -49,11 +52,65 @@ def test_verdict(
     basis: str,
     reflex_k: float,
     calibrated_to: tuple[str, ...],
-    verdict: str,
+    verdict: str | None,
     margin: Any,
 ) -> None:
+    """A model that says otherwise refutes nothing; the paper's own numbers and mathematics do."""
     found = row(statement(basis=basis), lookup(summaries(reflex_k)), calibrated_to)
-    assert (found["verdict"], found["margin"]) == (verdict, margin)
+    assert (found["verdict"], found["margin"]) == (verdict or FALSE[basis], margin)
+    assert found["met"] == {1.0: "yes", -1.0: "no", None: ""}[margin]
+
+
+@pytest.mark.parametrize("basis", ["model", "search"])
+@pytest.mark.parametrize(
+    ("held", "counted", "expected"),
+    [
+        (4, 5, "holds"),
+        (79, 100, "undecided"),
+        (80, 100, "holds"),
+        (21, 100, "undecided"),
+        (20, 100, "not reproduced"),
+        (1, 5, "not reproduced"),
+        (64, 128, "undecided"),
+        (103, 128, "holds"),
+        (102, 128, "undecided"),
+        (26, 128, "undecided"),
+        (25, 128, "not reproduced"),
+    ],
+)
+@pytest.mark.parametrize("holds", [True, False])
+def test_the_word_of_a_model_follows_the_share_and_not_the_own_values(
+    basis: Any, held: int, counted: int, expected: str, holds: bool
+) -> None:
+    assert word(basis, holds, Robust(held, counted)) == expected
+    assert word(basis, True, Robust(held, counted), calibrated=True) == "calibrated"
+    assert word(basis, False, Robust(held, counted), calibrated=True) == expected
+
+
+@pytest.mark.parametrize("basis", ["paper_data", "mathematics"])
+def test_no_share_softens_the_papers_own_numbers(basis: Any) -> None:
+    assert word(basis, False, Robust(100, 100)) == "contradicted"
+    assert word(basis, True, Robust(0, 100)) == "holds"
+
+
+@pytest.mark.parametrize(("held", "counted"), [(0, 24), (11, 24), (13, 24), (24, 24), (103, 128)])
+def test_the_interval_is_that_of_the_binomial_distribution(held: int, counted: int) -> None:
+    """At either end of Clopper and Pearson's interval what was found, or more extreme, has a chance of 2.5 %."""
+    low, high = Robust(held, counted).interval()
+    assert 0.0 <= low <= held / counted <= high <= 1.0
+    if held:
+        assert 1.0 - binom.cdf(held - 1, counted, low) == pytest.approx(0.025, abs=1e-9)
+    if held < counted:
+        assert binom.cdf(held, counted, high) == pytest.approx(0.025, abs=1e-9)
+
+
+def test_arithmetic_of_the_paper_is_counted_apart() -> None:
+    columns = {"basis": ["paper_data", "model", "none", "paper_data"],
+               "verdict": ["contradicted", "undecided", "not checkable", "holds"]}  # fmt: skip
+    assert counted(columns) == {
+        "statements": [("undecided", 1), ("not checkable", 1)],
+        "arithmetic": [("holds", 1), ("contradicted", 1)],
+    }
 
 
 def test_a_mode_left_out_makes_a_statement_not_checkable(lookup: Callable[..., Lookup]) -> None:
@@ -94,7 +151,7 @@ def test_an_endless_time_leaves_no_infinity_in_the_table(lookup: Callable[..., L
     quantity = "time_to_soc_0.95_s"
     check = {"less": {"value": f"{quantity} of {REFLEX}", "than": f"{quantity} of {CC}"}}
     found = row(statement(check=check, unit="s"), lookup({CC: {quantity: 5000.0}, REFLEX: {quantity: math.nan}}))
-    assert (found["verdict"], found["computed_value"], found["margin"]) == ("contradicted", None, None)
+    assert (found["verdict"], found["computed_value"], found["margin"]) == ("not reproduced", None, None)
     assert "never" in found["explanation"]
 
 
@@ -107,9 +164,10 @@ def test_robust_share_counts_the_samples_in_which_the_claim_holds(
 ) -> None:
     samples = [sample(4.0), sample(6.0), sample(4.9), sample(3.0, 2.0), sample(math.nan)]
     found = row(statement(), lookup(summaries(6.0)), samples=ensemble(samples))
-    assert (found["verdict"], found["robust_share"]) == ("contradicted", 0.4)
-    assert "2 of 5 samples" in found["explanation"]
-    assert "1 without an answer" in found["explanation"]
+    assert (found["verdict"], found["robust_share"], found["robust_points"]) == ("undecided", 0.4, 5)
+    assert found["robust_low"] < 0.4 < found["robust_high"]
+    assert "2 of 5 points of the estimated parameters" in found["explanation"]
+    assert "1 of the others without an answer" in found["explanation"]
 
 
 @pytest.mark.parametrize(

@@ -19,12 +19,24 @@ def verdict_columns(*verdicts: str) -> dict[str, list]:
         "reading": ["at 25 degC"] * count,
         "basis": ["model"] * count,
         "verdict": list(verdicts),
+        "met": [
+            "yes" if word in ("holds", "calibrated") else "" if word == "not checkable" else "no" for word in verdicts
+        ],
         "published_value": [65.0] + [None] * (count - 1),
         "computed_value": [65.25] * count,
         "unit": ["W"] * count,
         "tolerance": [0.5] * count,
         "margin": [-0.25] * count,
-        "robust_share": [0.625] + [None] * (count - 1),
+        **{
+            name: [value] + [None] * (count - 1)
+            for name, value in {
+                "robust_share": 0.625,
+                "robust_low": 0.53,
+                "robust_high": 0.71,
+                "robust_points": 128.0,
+                "robust_left_out": 0.0,
+            }.items()
+        },
         "explanation": ["The numbers."] * count,
     }
 
@@ -35,7 +47,7 @@ def content() -> PageContent:
         title="A study <of> charging",
         subtitle="A question?",
         paper=Paper("Author (2015). Title.", "10.1000/example"),
-        verdicts=verdict_columns("holds", "contradicted", "contradicted", "not checkable", "calibrated", "fails"),
+        verdicts=verdict_columns("holds", "contradicted", "contradicted", "not checkable", "calibrated", "undecided"),
         figures=[PageFigure("figure_11", "Figure 11", "Battery current", 'Current "in" A', SVG, b"\x89PNG")],
         tables=[
             ReportTable(

@@ -10,6 +10,7 @@ from html.parser import HTMLParser
 
 import pytest
 
+from pipeline.published.words import WORDS
 from pipeline.report import pages
 from pipeline.report.pages import PageContent, number, prose, render
 from tests.report_pages.conftest import SVG, verdict_columns
@@ -77,20 +78,28 @@ def test_verdicts_are_counted_and_told_by_word_and_symbol(content: PageContent, 
     text = " ".join("".join(page.text).split())
     for count, symbol, word in (
         (1, "✓", "holds"),
-        (2, "✗", "contradicted"),
+        (2, "⊘", "contradicted"),
         (1, "○", "not checkable"),
-        (1, "△", "fails"),
+        (1, "≈", "undecided"),
     ):
         assert f"{count} {symbol} {word}" in text
-    assert text.count("✗contradicted") == 2
-    assert "62 %" in text
+    assert text.count("⊘contradicted") == 2
+    assert "62 %53 % to 71 %" in text
     assert "65 W± 0.5" in text
     assert "−0.25 W" in text
 
 
-@pytest.mark.parametrize("verdict", pages.MEANINGS)
+def test_arithmetic_of_the_paper_is_counted_apart(content: PageContent) -> None:
+    columns = verdict_columns("holds", "contradicted", "holds") | {"basis": ["model", "paper_data", "paper_data"]}
+    shown = Page(render(replace(content, verdicts=columns)))
+    text = " ".join("".join(shown.text).split())
+    assert "1 ✓ holds" in text
+    assert "as arithmetic of the paper alone: 1 holds, 1 contradicted" in text
+
+
+@pytest.mark.parametrize("verdict", WORDS)
 def test_a_verdict_that_does_not_occur_is_not_in_the_list(content: PageContent, verdict: str) -> None:
-    others = [word for word in pages.MEANINGS if word != verdict]
+    others = [word for word in WORDS if word != verdict]
     shown = Page(render(replace(content, verdicts=verdict_columns(*others))))
     rows = [attrs["class"] for tag, attrs in shown.found if tag == "td" and "verdict" in (attrs.get("class") or "")]
     assert rows == [f"verdict {word.replace(' ', '-')}" for word in others]
@@ -134,7 +143,7 @@ def test_a_page_without_a_part_is_still_a_page(content: PageContent, part: str) 
 
 
 def test_no_robust_share_no_column(content: PageContent) -> None:
-    columns = verdict_columns("holds") | {"robust_share": [None]}
+    columns = verdict_columns("holds") | {"robust_share": [None], "robust_low": [None], "robust_high": [None]}
     assert "obust share" not in render(replace(content, verdicts=columns))
 
 

@@ -18,7 +18,7 @@ def test_csv_reads_back() -> None:
 
 
 def test_verdicts_keep_every_column() -> None:
-    columns = verdict_columns("holds", "fails")
+    columns = verdict_columns("holds", "not reproduced")
     columns["margin"] = np.array([0.25, np.nan])
     table = tables.verdicts(columns)
     assert table.header == tuple(columns)

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import argparse
 import json
-from collections import Counter
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
@@ -16,6 +15,7 @@ from pipeline.errors import UserError, best_matches
 from pipeline.kernel import tables
 from pipeline.kernel.store import RESULTS
 from pipeline.published.evaluate import VERDICTS
+from pipeline.published.words import counted
 
 
 def main(arguments: Sequence[str]) -> int:
@@ -52,5 +52,11 @@ def _print(verdicts: Mapping[str, Any]) -> None:
         table.add_row(*row)
     console = Console()
     console.print(table)
-    counts = Counter(columns[1])
-    console.print(", ".join(f"{count} {verdict}" for verdict, count in sorted(counts.items())))
+    found = counted(verdicts)
+    console.print(_told(found["statements"]))
+    if found["arithmetic"]:
+        console.print(f"arithmetic of the paper alone, counted apart: {_told(found['arithmetic'])}")
+
+
+def _told(counts: Sequence[tuple[str, int]]) -> str:
+    return ", ".join(f"{count} {word}" for word, count in counts)

@@ -4,15 +4,15 @@ from __future__ import annotations
 
 import math
 from collections.abc import Collection, Iterable, Mapping
-from typing import Any, Literal
+from typing import Any
 
 from pipeline.kernel.tables import Column, Table
 from pipeline.published.artefacts import Key, Lookup, Sample, Unanswerable, key
 from pipeline.published.predicates import Outcome, apply
 from pipeline.published.records import Statement, read_tables, read_values
 from pipeline.published.reference import kind
+from pipeline.published.words import WORDS, Robust, word
 
-Verdict = Literal["holds", "fails", "not checkable", "calibrated", "contradicted"]
 VERDICTS = Table(
     "verdicts",
     "Every published statement that was examined, with its computed verdict",
@@ -21,8 +21,9 @@ VERDICTS = Table(
         Column("where", "", "where it stands in the paper", "text"),
         Column("says", "", "what it says", "text"),
         Column("reading", "", "how the words became a predicate, and why this tolerance", "text"),
-        Column("basis", "", "paper_data, model or none", "text"),
-        Column("verdict", "", "holds, fails, not checkable, calibrated or contradicted", "text"),
+        Column("basis", "", "paper_data, mathematics, model, search or none", "text"),
+        Column("verdict", "", f"{', '.join(WORDS)}", "text"),
+        Column("met", "", "yes or no: the predicate with the study's own values; empty where it has no answer", "text"),
         Column("published_value", "see unit", "the printed number, where there is one", optional=True),
         Column("computed_value", "see unit", "the number that answers it, where there is one", optional=True),
         Column("unit", "", "unit of both", "text"),
@@ -36,9 +37,13 @@ VERDICTS = Table(
         Column(
             "robust_share",
             "1",
-            "share of the range of the estimated parameters over which a claim holds",
+            "share of the points of estimates, or of seeds, where it is true",
             optional=True,
         ),
+        Column("robust_low", "1", "lower end of the 95 % interval of that share", optional=True),
+        Column("robust_high", "1", "upper end of it", optional=True),
+        Column("robust_points", "1", "points that count", optional=True),
+        Column("robust_left_out", "1", "points that no battery can have", optional=True),
         Column("explanation", "", "the numbers behind the verdict in a sentence", "text"),
     ),
 )
@@ -65,46 +70,48 @@ def evaluate(
     return {column: [row[column] for row in rows] for column in COLUMNS}
 
 
-def verdict_of(holds: bool, calibrated: bool) -> Verdict:
-    """Return the verdict on a checkable statement.
-
-    An independent answer either holds or contradicts the paper. An answer calibrated to the statement can do neither:
-    it is `calibrated` where the predicate holds, and `fails` where not even the calibration brought it about.
-    """
-    if calibrated:
-        return "calibrated" if holds else "fails"
-    return "holds" if holds else "contradicted"
-
-
 def _row(name: str, stated: Statement, artefacts: Lookup, samples: list[Sample], calibrated: bool) -> dict[str, Any]:
     row: dict[str, Any] = dict.fromkeys(COLUMNS)
-    row |= {"statement": name, **stated.model_dump(include={"where", "says", "reading", "basis", "unit"})}
+    row |= {"statement": name, **stated.model_dump(include={"where", "says", "reading", "basis", "unit"}), "met": ""}
     if stated.check is None:
         return row | {"verdict": "not checkable", "explanation": f"Missing: {stated.missing}"}
     try:
         outcome = apply(stated.check, artefacts, stated.unit)
     except Unanswerable as reason:
         return row | {"verdict": "not checkable", "explanation": f"Missing: {reason}."}
-    share, counted = _robust_share(stated, samples)
+    robust = _robust(stated, samples)
     return row | {
-        "verdict": verdict_of(outcome.holds, calibrated),
+        "verdict": word(stated.basis, outcome.holds, robust, calibrated),
+        "met": "yes" if outcome.holds else "no",
         "published_value": _finite(outcome.published) if stated.form == "number" else None,
         "computed_value": _finite(outcome.computed),
         "tolerance": _finite(outcome.tolerance),
         "margin": _finite(outcome.margin),
-        "robust_share": share,
-        "explanation": _sentences(outcome.sentence, counted),
+        **_shares(robust),
+        "explanation": _sentences(outcome.sentence, "" if robust is None else robust.sentence()),
     }
 
 
-def _robust_share(stated: Statement, samples: list[Sample]) -> tuple[float | None, str]:
+def _shares(robust: Robust | None) -> dict[str, float | None]:
+    if robust is None:
+        return {}
+    low, high = robust.interval()
+    return {
+        "robust_share": robust.share,
+        "robust_low": low,
+        "robust_high": high,
+        "robust_points": robust.counted,
+        "robust_left_out": robust.left_out,
+    }
+
+
+def _robust(stated: Statement, samples: list[Sample]) -> Robust | None:
+    """Return in how many samples a claim is true; none where no sample answers it."""
     if not samples or not _varies(stated, samples):
-        return None, ""
+        return None
     outcomes = [_attempt(stated, sample) for sample in samples]
     held = sum(outcome is not None and outcome.holds for outcome in outcomes)
-    empty = outcomes.count(None)
-    silent = f" ({empty} without an answer, counted as failing)" if empty else ""
-    return held / len(samples), f"holds in {held} of {len(samples)} samples of the estimated parameters{silent}"
+    return Robust(held, len(outcomes), unanswered=outcomes.count(None))
 
 
 def _varies(stated: Statement, samples: list[Sample]) -> bool:

@@ -7,6 +7,7 @@ from typing import Annotated, Any, Literal
 from pydantic import Discriminator, Field, Tag, model_validator
 
 from pipeline.published.operands import Operand, Value, values
+from pipeline.published.words import Basis
 from pipeline.record import Record
 
 
@@ -147,8 +148,9 @@ class Statement(Record):
     form: Literal["number", "table", "figure", "claim"] = Field(
         default="claim", description="what is published: a printed number, a table, a figure, or words"
     )
-    basis: Literal["paper_data", "model", "none"] = Field(
-        description="paper_data: follows from the paper's own numbers; model: our simulation; none: too little is given"
+    basis: Basis = Field(
+        description="paper_data: arithmetic of the paper alone; mathematics: follows from what it defines; model: "
+        "our simulation; search: our searches and trainings; none: too little is given"
     )
     reading: str = Field(default="", description="how the words became a predicate, and why this tolerance")
     check: Check | None = Field(default=None, description="the predicate; none where the basis is none")

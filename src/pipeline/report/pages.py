@@ -4,28 +4,18 @@ from __future__ import annotations
 
 import base64
 import re
-from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from itertools import groupby
 from pathlib import Path
 from typing import Any
 
+from pipeline.published.words import BASES, WORDS, counted
 from pipeline.report.tables import Cell, Parameter, ReportTable, plain
 
 TEMPLATES = Path(__file__).with_name("templates")
 LARGEST_SVG = 500_000
 """Size in bytes above which a figure goes into the page as PNG; the SVG stays beside it."""
-
-MEANINGS = {
-    "holds": ("✓", "the condition is met, and no parameter was fitted to the statement"),
-    "calibrated": ("◐", "the condition is met, but a parameter was fitted to the statement: no evidence"),
-    "contradicted": ("✗", "the condition is not met"),
-    "fails": ("△", "the condition is not met, although a parameter was fitted to the statement"),
-    "not checkable": ("○", "the paper or this run does not give enough to decide"),
-}
-"""Verdict -> its symbol and what it means, in the order in which they are counted."""
-BASES = {"paper_data": "from the paper's own numbers", "model": "from our simulation", "none": "not enough information"}
 
 
 @dataclass(frozen=True)
@@ -111,12 +101,12 @@ def render(content: PageContent) -> str:
         "words": words,
         "prose": prose,
     }
-    environment.globals |= {"meanings": MEANINGS, "bases": BASES}
+    environment.globals |= {"meanings": WORDS, "bases": BASES}
     rows = _verdict_rows(content.verdicts)
     return environment.get_template("index.html.j2").render(
         content=content,
         verdicts=rows,
-        counts=[(word, Counter(row["verdict"] for row in rows)[word]) for word in MEANINGS],
+        counts=counted(content.verdicts),
         robust=any(row["robust_share"] is not None for row in rows),
         published=[table for table in content.tables if table.paper],
         tables=[table for table in content.tables if not table.paper],

@@ -28,17 +28,17 @@ def both(run: ReportData, tmp_path: Path) -> ReportData:
     return replace(run, inputs=inputs, settings={"cells": {"titles": CELLS}})
 
 
-def test_only_verdicts_that_differ_are_listed():
+def test_only_statements_that_come_out_otherwise_are_listed():
     first = verdict_columns("holds", "contradicted", "holds")
-    second = {name: column[1:] for name, column in verdict_columns("holds", "contradicted", "contradicted").items()}
+    second = {name: column[1:] for name, column in verdict_columns("holds", "contradicted", "not reproduced").items()}
     second["explanation"] = ["Same.", "Other numbers."]
     table = second_cell.statements(first, second, CELLS)
     assert table.header == ("statement", "tested as", *CELLS)
-    assert table.rows == (("claim <2> & more", "at 25 degC", "holds: The numbers.", "contradicted: Other numbers."),)
+    assert table.rows == (("claim <2> & more", "at 25 degC", "met: The numbers.", "not met: Other numbers."),)
     said = second_cell.summary(first, second, CELLS)
-    assert said == "Of the 2 statements that charges alone answer, 1 has another verdict with Second than with First."
+    assert said == "Of the 2 statements that charges alone answer, 1 comes out otherwise with Second than with First."
     same = second_cell.summary(first, first, CELLS)
-    assert same == "All 3 statements that charges alone answer have the same verdict with Second as with First."
+    assert same == "All 3 statements that charges alone answer come out the same with Second as with First."
 
 
 def test_both_stand_side_by_side(both: ReportData):

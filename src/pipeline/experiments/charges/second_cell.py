@@ -12,31 +12,31 @@ MARK = 0.95
 
 
 def differing(first: Verdicts, second: Verdicts) -> list[tuple[dict[str, Any], dict[str, Any]]]:
-    """Return the rows of both tables of verdicts for the statements whose verdict is not the same."""
+    """Return the rows of both tables for the statements whose condition one battery meets and the other does not."""
     rows = {row["statement"]: row for row in _rows(first)}
     pairs = [(rows[row["statement"]], row) for row in _rows(second)]
-    return [(one, other) for one, other in pairs if one["verdict"] != other["verdict"]]
+    return [(one, other) for one, other in pairs if one["met"] != other["met"]]
 
 
 def summary(first: Verdicts, second: Verdicts, cells: Sequence[str]) -> str:
-    """Return in a sentence how many statements have another verdict."""
+    """Return in a sentence how many statements come out otherwise."""
     asked, count = len(second["statement"]), len(differing(first, second))
     if not count:
-        same = f"have the same verdict with {cells[1]} as with {cells[0]}"
+        same = f"come out the same with {cells[1]} as with {cells[0]}"
         return f"All {asked} statements that charges alone answer {same}."
-    verb = "has" if count == 1 else "have"
+    verb = "comes" if count == 1 else "come"
     return (
-        f"Of the {asked} statements that charges alone answer, {count} {verb} another verdict with {cells[1]} "
+        f"Of the {asked} statements that charges alone answer, {count} {verb} out otherwise with {cells[1]} "
         f"than with {cells[0]}."
     )
 
 
 def statements(first: Verdicts, second: Verdicts, cells: Sequence[str]) -> ReportTable:
-    """Return the statements whose verdict differs, with what each battery's charges came to."""
+    """Return the statements that come out otherwise, with what each battery's charges came to."""
     rows = [(one["says"], one["reading"], _told(one), _told(other)) for one, other in differing(first, second)]
     return ReportTable(
         "second_differs",
-        "Statements with another verdict",
+        "Statements that come out otherwise",
         "The same conditions, tested on the charges of each battery with the same modes and supply.",
         ("statement", "tested as", *cells),
         tuple(rows),
@@ -99,4 +99,5 @@ def _rows(columns: Verdicts) -> list[dict[str, Any]]:
 
 
 def _told(row: Mapping[str, Any]) -> str:
-    return f"{row['verdict']}: {row['explanation']}"
+    word = {"yes": "met", "no": "not met"}.get(str(row["met"]), "no answer")
+    return f"{word}: {row['explanation']}"
