@@ -43,10 +43,6 @@ NUMBERS: dict[str, dict[str, tuple[float, float]]] = {
         "least_squares_mse_median": (0.09, 0.01),
         "uncovered_share": (0.4, 0.0),
     },
-    "network_kernels": {
-        "plateau_ramp_extendable_mse_median": (0.005, 0.5),
-        "plateau_ramp_wendland_mse_median": (0.006, 0.1),
-    },
     "network_size": {"size_6_mse_median": (0.005, 2.0), "size_20_mse_median": (0.001, 0.001)},
     "trade_off": {
         "constant_4c_ended_by_voltage_drop_s": (1390.0, 1500.0),
@@ -60,7 +56,7 @@ NUMBERS: dict[str, dict[str, tuple[float, float]]] = {
     },
 }
 CHARGES: dict[str, dict[str, tuple[float, float]]] = {
-    "charge/stopped/constant_4c": {"end_time_s": (1390.0, 900.0), "time_to_soc_0.95_s": (900.0, 400.0)},
+    "charge/stopped/constant_4c": {"end_time_s": (1390.0, 1600.0), "time_to_soc_0.95_s": (900.0, 400.0)},
     "charge/stopped/constant_8c": {
         "end_time_s": (415.0, 500.0),
         "time_to_soc_0.95_s": (420.0, 800.0),
@@ -104,7 +100,7 @@ REFERENCE_ROWS: dict[str, tuple[list[dict[str, Any]], list[dict[str, Any]]]] = {
     "nicd_figure6": ([{"best_mse": 0.0046, "mean_mse": 0.5}], [{"best_mse": 0.0043719, "mean_mse": 0.001}]),
 }
 # What needs the stops as printed to hold.
-AS_PRINTED = {"stop_4c", "stop_8c", "overcharge_shows_4c", "overcharge_shows_8c"}
+AS_PRINTED = {"stop_4c", "stopped_within_4c", "stop_8c", "overcharge_shows_4c", "overcharge_shows_8c"}
 
 
 def world(folder: Path, place: int, printed: bool = False) -> Lookup:
@@ -210,7 +206,8 @@ def test_answers_that_rest_on_a_stand_in_say_so() -> None:
         rests = any(value.quantity.startswith(tuple(lost)) and "units" not in value.quantity and "mse" in value.quantity
                     for value in read_values(stated) if not value.artefact.startswith("reference/"))  # fmt: skip
         if rests:
-            assert "stand-in" in stated.reading.lower() or "stands in" in stated.reading.lower(), name
+            told = f"{stated.reading} {stated.conditions} {stated.missing}".lower()
+            assert any(words in told for words in ("stand-in", "stands in", "stand in")), name
 
 
 def test_there_are_enough_of_them() -> None:

@@ -125,10 +125,32 @@ def test_basis_none_says_what_is_missing(lookup: Callable[..., Lookup]) -> None:
     assert "an ageing model" in found["explanation"]
 
 
+def test_what_is_ours_stands_beside_what_is_missing_and_answers_nothing(lookup: Callable[..., Lookup]) -> None:
+    fields = {"basis": "none", "check": None, "missing": "its data.", "unit": "K", "ours": [f"rise_k of {REFLEX}"]}
+    found = row(statement(**fields), lookup(summaries(4.0)))
+    assert (found["verdict"], found["met"], found["computed_value"]) == ("not checkable", "", 4.0)
+    assert found["explanation"] == "Missing: its data. Ours: rise of cv_reflex (p): 4 K."
+    absent = row(statement(**fields), lookup({}))
+    assert "Ours is missing too: charge/p/cv_reflex is not part of this run" in absent["explanation"]
+
+
+def test_a_claim_of_cycle_life_is_not_assessed_and_says_what_would(lookup: Callable[..., Lookup]) -> None:
+    fields = {"basis": "none", "check": None, "missing": "no battery is followed", "assessed_by": "cycled batteries"}
+    found = row(statement(**fields), lookup({}))
+    assert found["verdict"] == "not checkable"
+    assert found["explanation"] == "Not assessed: no battery is followed. It would take cycled batteries."
+
+
+def test_conditions_that_were_not_kept_stand_in_the_table(lookup: Callable[..., Lookup]) -> None:
+    assert row(statement(conditions="another cell"), lookup(summaries(4.0)))["conditions"] == "another cell"
+
+
 @pytest.mark.parametrize(
     "fields",
     [
         {"basis": "none"},
+        {"ours": [1.0]},
+        {"assessed_by": "cycling"},
         {"basis": "none", "check": None},
         {"check": None},
         {"missing": "something"},

@@ -17,6 +17,7 @@ def verdict_columns(*verdicts: str) -> dict[str, list]:
         "where": ["Table 1"] * count,
         "says": [f"claim <{number}> & more" for number in range(count)],
         "reading": ["at 25 degC"] * count,
+        "conditions": ["another <cell>", *[""] * (count - 1)],
         "basis": ["model"] * count,
         "verdict": list(verdicts),
         "met": [

@@ -97,6 +97,10 @@ def test_arithmetic_of_the_paper_is_counted_apart(content: PageContent) -> None:
     assert "as arithmetic of the paper alone: 1 holds, 1 contradicted" in text
 
 
+def test_conditions_that_were_not_kept_stand_on_the_page(page: Page) -> None:
+    assert "".join(page.text).count("Not as in the paper: another <cell>") == 1
+
+
 @pytest.mark.parametrize("verdict", WORDS)
 def test_a_verdict_that_does_not_occur_is_not_in_the_list(content: PageContent, verdict: str) -> None:
     others = [word for word in WORDS if word != verdict]

@@ -123,7 +123,7 @@ def _check_phase(resolver: Resolver, where: str, phase: Phase, battery: Battery,
     if "current_a" in phase.until.given:
         if not isinstance(waveform, ConstantVoltage | ConstantCurrent):
             raise UserError(f"{where}.until.current_a: only a constant current or voltage can end by current")
-        if all(limit is None for limit in limits.values()):
+        if not _voltages(resolver, where, phase):
             raise UserError(
                 f"{where}.until.current_a: the current falls where a voltage is held, and nothing holds one; "
                 "give limit.voltage_v"

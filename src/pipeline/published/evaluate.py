@@ -8,9 +8,10 @@ from typing import Any
 
 from pipeline.kernel.tables import Column, Table
 from pipeline.published.artefacts import Key, Lookup, Sample, Unanswerable, key
-from pipeline.published.predicates import Outcome, apply
-from pipeline.published.records import Statement, read_tables, read_values
+from pipeline.published.predicates import Outcome, apply, number
+from pipeline.published.records import Size, Statement, read_tables, read_values
 from pipeline.published.reference import kind
+from pipeline.published.wording import Wording
 from pipeline.published.words import WORDS, Robust, word
 
 VERDICTS = Table(
@@ -21,6 +22,7 @@ VERDICTS = Table(
         Column("where", "", "where it stands in the paper", "text"),
         Column("says", "", "what it says", "text"),
         Column("reading", "", "how the words became a predicate, and why this tolerance", "text"),
+        Column("conditions", "", "what of the paper's conditions we could not keep", "text"),
         Column("basis", "", "paper_data, mathematics, model, search or none", "text"),
         Column("verdict", "", f"{', '.join(WORDS)}", "text"),
         Column("met", "", "yes or no: the predicate with the study's own values; empty where it has no answer", "text"),
@@ -72,24 +74,52 @@ def evaluate(
 
 def _row(name: str, stated: Statement, artefacts: Lookup, samples: list[Sample], calibrated: bool) -> dict[str, Any]:
     row: dict[str, Any] = dict.fromkeys(COLUMNS)
-    row |= {"statement": name, **stated.model_dump(include={"where", "says", "reading", "basis", "unit"}), "met": ""}
+    row |= {"statement": name, "met": ""}
+    row |= stated.model_dump(include={"where", "says", "reading", "conditions", "basis", "unit"})
     if stated.check is None:
-        return row | {"verdict": "not checkable", "explanation": f"Missing: {stated.missing}"}
+        return row | _without_a_check(stated, artefacts)
     try:
         outcome = apply(stated.check, artefacts, stated.unit)
+        small = "" if stated.asks is None else _smaller(stated.asks, artefacts)
     except Unanswerable as reason:
         return row | {"verdict": "not checkable", "explanation": f"Missing: {reason}."}
+    row["computed_value"] = _finite(outcome.computed)
+    if small:
+        return row | {"verdict": "not checkable", "explanation": _sentences(small, f"ours: {outcome.sentence}")}
     robust = _robust(stated, samples)
     return row | {
         "verdict": word(stated.basis, outcome.holds, robust, calibrated),
         "met": "yes" if outcome.holds else "no",
         "published_value": _finite(outcome.published) if stated.form == "number" else None,
-        "computed_value": _finite(outcome.computed),
         "tolerance": _finite(outcome.tolerance),
         "margin": _finite(outcome.margin),
         **_shares(robust),
         "explanation": _sentences(outcome.sentence, "" if robust is None else robust.sentence()),
     }
+
+
+def _without_a_check(stated: Statement, artefacts: Lookup) -> dict[str, Any]:
+    """Return what is missing, what would assess it, and what this run comes to all the same."""
+    told, found = [f"missing: {stated.missing.rstrip('.')}"], []
+    if stated.assessed_by:
+        told = [f"not assessed: {stated.missing.rstrip('.')}", f"it would take {stated.assessed_by.rstrip('.')}"]
+    try:
+        found = [number(one, artefacts) for one in stated.ours]
+    except Unanswerable as reason:
+        told.append(f"ours is missing too: {reason}")
+    if found:
+        told.append(f"ours: {Wording(artefacts, stated.unit).compared(stated.ours, found)}")
+    shown = _finite(found[0]) if found else None
+    return {"verdict": "not checkable", "computed_value": shown, "explanation": _sentences(*told)}
+
+
+def _smaller(size: Size, artefacts: Lookup) -> str:
+    """Return in words that this run is smaller than the paper's experiment; nothing where it is not."""
+    found = [artefacts.number(value) for value in size.ours]
+    if all(ours >= paper for ours, paper in zip(found, size.paper, strict=True)):
+        return ""
+    ours, paper = (" x ".join(f"{value:g}" for value in values) for values in (found, size.paper))
+    return f"{ours} of {paper}: not checkable at this size"
 
 
 def _shares(robust: Robust | None) -> dict[str, float | None]:

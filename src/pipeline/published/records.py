@@ -6,7 +6,7 @@ from typing import Annotated, Any, Literal
 
 from pydantic import Discriminator, Field, Tag, model_validator
 
-from pipeline.published.operands import Operand, Value, values
+from pipeline.published.operands import Operand, Reading, Value, values
 from pipeline.published.words import Basis
 from pipeline.record import Record
 
@@ -140,6 +140,19 @@ Check = Annotated[
 AllOf.model_rebuild()
 
 
+class Size(Record):
+    """How large the paper's experiment was, and the numbers that say how large this run's is."""
+
+    ours: tuple[Reading, ...] = Field(min_length=1, description="numbers of this run")
+    paper: tuple[float, ...] = Field(min_length=1, description="the paper's, in the same order")
+
+    @model_validator(mode="after")
+    def _alike(self) -> Size:
+        if len(self.ours) != len(self.paper):
+            raise ValueError(f"{len(self.ours)} numbers of ours beside {len(self.paper)} of the paper")
+        return self
+
+
 class Statement(Record):
     """One number, table, figure or claim of a paper, and how it is put to the test."""
 
@@ -153,14 +166,21 @@ class Statement(Record):
         "our simulation; search: our searches and trainings; none: too little is given"
     )
     reading: str = Field(default="", description="how the words became a predicate, and why this tolerance")
+    conditions: str = Field(default="", description="what of the paper's conditions we could not keep")
     check: Check | None = Field(default=None, description="the predicate; none where the basis is none")
     missing: str = Field(default="", description="what is missing; for basis none")
+    assessed_by: str = Field(default="", description="what would assess a claim that no study here looks at")
+    ours: tuple[Operand, ...] = Field(default=(), description="for basis none: what this run comes to, as ours")
+    asks: Size | None = Field(default=None, description="how large a run must be to answer it")
+    fitted_with: str = Field(default="", description="another statement, whose parameters were fitted to this one too")
     unit: str = Field(default="1", description="unit of the values compared")
 
     @model_validator(mode="after")
     def _checkable_or_not(self) -> Statement:
         if self.basis == "none" and (self.check is not None or not self.missing):
             raise ValueError("basis none takes no check and says what is missing")
+        if self.basis != "none" and (self.ours or self.assessed_by):
+            raise ValueError(f"basis {self.basis} takes neither ours nor assessed_by, which are for basis none")
         if self.basis != "none" and (self.check is None or self.missing):
             raise ValueError(f"basis {self.basis} takes a check, and nothing missing")
         return self
@@ -174,8 +194,10 @@ def needs(statement: Statement) -> set[str]:
 
 
 def read_values(statement: Statement) -> list[Value]:
-    """Return every artefact value a statement's predicate reads."""
-    return values(statement.check) if statement.check is not None else []
+    """Return every artefact value a statement reads: its predicate, what it shows as ours, and its size."""
+    found = values(statement.check) if statement.check is not None else []
+    size = [] if statement.asks is None else list(statement.asks.ours)
+    return [*found, *(value for one in statement.ours for value in values(one)), *size]
 
 
 def read_tables(statement: Statement) -> list[TablePair]:

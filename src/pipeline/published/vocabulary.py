@@ -33,6 +33,11 @@ def check_statements(study: Any) -> None:
         for pair in read_tables(stated):
             known.check_table(name, pair.published)
             known.check_table(name, pair.computed)
+        if stated.fitted_with and stated.fitted_with not in study.published:
+            raise UserError(
+                f"published.{name}.fitted_with: no statement {stated.fitted_with!r}; "
+                + best_matches(stated.fitted_with, study.published)
+            )
     own = f"{study.study.name}."
     fitted = {source.to for source in study.sources.values() if source.to is not None}
     for identifier in sorted(name.removeprefix(own) for name in fitted if name.startswith(own)):

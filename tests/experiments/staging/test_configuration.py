@@ -90,7 +90,7 @@ def test_every_calibration_is_a_battery_and_says_what_it_was_calibrated_to(name)
 
 
 def test_calibrated_statements_are_marked():
-    assert set(nodes()["verdicts"].settings["calibrated"]) == {"temperature_rise"}
+    assert set(nodes()["verdicts"].settings["calibrated"]) == {"temperature_rise", "simulated_rise_at_the_end"}
 
 
 @pytest.mark.parametrize(

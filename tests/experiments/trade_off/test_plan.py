@@ -88,4 +88,8 @@ def test_a_run_without_the_network_asks_for_none_and_says_so_in_its_verdicts() -
 
 def test_what_is_fitted_to_a_statement_marks_it(study: Any) -> None:
     node = next(node for node in drafts(study) if node.name == "verdicts")
-    assert node.settings["calibrated"] == {"overcharge_shows_4c": ["battery.side_reaction.current_a"]}
+    surface = [f"network.data.surfaces.plateau_ramp.{name}" for name in ("rates_c", "temperatures_c")]
+    assert node.settings["calibrated"] == {
+        "overcharge_shows_4c": ["battery.side_reaction.current_a"],
+        "table_2": surface,
+    }

@@ -64,7 +64,9 @@ def quantities(
             number(f"ripple_and_switching_at_{place}_w", parts["total_w"][0]),
         ]
     mean = breakdown(period, pairs, series_resistance_ohm, energy, best)["mean_current_w"][0]
-    return [*found, number("mean_current_w", mean)]
+    classic = breakdown(period, pairs, series_resistance_ohm, energy, settings.classic_frequency_hz)["total_w"][0]
+    resistor = discharge_resistor_loss_w(waveform, settings.discharge_voltage_v)
+    return [*found, number("mean_current_w", mean), number("all_losses_at_classic_w", mean + classic + resistor)]
 
 
 def of_modes(settings: ReflexFrequency, waveforms: Mapping[str, Waveform], pairs: Pairs) -> list[Quantity]:

@@ -97,6 +97,7 @@ VOCABULARY = Vocabulary(
     {
         "{of}_chosen_{factor}": ("1", "level of {factor} with the least sum"),
         "{of}_p_{factor}": ("1", "chance of an effect this large if {factor} had none"),
+        "{of}_share_{factor}": ("1", "share of the variance that {factor} explains"),
         "{of}_p": ("1", "the same for all factors together"),
         "{of}_explained_share": ("1", "share of the variance the factors explain"),
         "{of}_predicted_mw2_s": ("mW2 s", "expected at the chosen levels"),
@@ -155,6 +156,10 @@ def quantities(
     return [
         *(number("{of}_chosen_{factor}", value, factor=name) for name, value in by_sums.items()),
         *(number("{of}_p_{factor}", row.p, factor=row.name) for row in variance.factors),
+        *(
+            number("{of}_share_{factor}", row.sum_of_squares / variance.total.sum_of_squares, factor=row.name)
+            for row in variance.factors
+        ),
         number("{of}_p", variance.model.p),
         number("{of}_explained_share", variance.explained_share),
         number("{of}_predicted_mw2_s", predicted(array, values, levels)),

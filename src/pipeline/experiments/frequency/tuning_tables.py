@@ -121,6 +121,7 @@ OBJECTIVE_NUMBERS = Vocabulary(
         "resonance_hz": ("Hz", "frequency at which the impedance is real"),
         "discharge_resistor_w": ("W", "power the discharge resistor turns to heat, at any frequency"),
         "mean_current_w": ("W", "loss of the mean current in all resistances, at any frequency"),
+        "all_losses_at_classic_w": ("W", "mean current, ripple, switches and discharge resistor at the classic rate"),
         "switching_energy_{mode}_j": ("J", "energy of the switches in a period of {mode}"),
         "optimal_frequency_{mode}_hz": ("Hz", "frequency of least loss of {mode}"),
     }

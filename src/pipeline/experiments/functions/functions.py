@@ -147,6 +147,7 @@ def _counts(study: FunctionStudy, rows: Sequence[Statistics]) -> list[Quantity]:
         "functions": len(study.functions),
         "dimensions": study.dimensions,
         "variant_replicates": study.variants.replicates,
+        "variant_generations": study.variants.shared["generations"],
         "variant_evaluations": next(row.spent for row in rows if row.search == study.plain),
         "baseline_replicates": study.baselines.replicates if study.baselines else np.nan,
         "budget": min(row.spent for row in rows),

@@ -65,6 +65,7 @@ _COUNTS = {
     "functions": "test functions",
     "dimensions": "dimensions of each",
     "variant_replicates": "runs of each variant on each function",
+    "variant_generations": "generations of a variant's run",
     "variant_evaluations": "evaluations of a variant's run",
     "baseline_replicates": "runs of each baseline on each function",
     "budget": "evaluations of the shortest search's run",

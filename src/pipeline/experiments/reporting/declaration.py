@@ -139,8 +139,8 @@ def _calibrated(study: Any, made: Sequence[Draft], asked: Mapping[str, Iterable[
     found: dict[str, list[str]] = {}
     for name, artefacts in asked.items():
         reads = reads_behind(by_name, (one for one in artefacts if one in by_name))
-        fitted_to = f"{study.study.name}.{name}"
-        fitted = [path for path, source in study.sources.items() if source.to == fitted_to and below(path, reads)]
+        fitted_to = {f"{study.study.name}.{one}" for one in (name, study.published[name].fitted_with) if one}
+        fitted = [path for path, source in study.sources.items() if source.to in fitted_to and below(path, reads)]
         found |= {name: sorted(fitted)} if fitted else {}
     return found
 
