@@ -6,9 +6,18 @@ import math
 from collections.abc import Mapping
 
 from pipeline.cell.records import Battery, resting_voltage_v
-from pipeline.charge.protocol import Resolver, parameters
+from pipeline.charge.protocol import MOST_C_RATE, Resolver, parameters
 from pipeline.charge.records import ChargeSettings, Mode, Phase
-from pipeline.charge.waveforms import ConstantCurrent, ConstantVoltage, Rest, Sampled, Staged, Until, Waveform
+from pipeline.charge.waveforms import (
+    ConstantCurrent,
+    ConstantPower,
+    ConstantVoltage,
+    Rest,
+    Sampled,
+    Staged,
+    Until,
+    Waveform,
+)
 from pipeline.errors import UserError, best_matches
 from pipeline.record import Number, Reference
 
@@ -76,7 +85,6 @@ SHORTEST_SEGMENT_S = 1e-6
 # Beyond these a number has the wrong unit: no charger goes there, and values in mV or mA are far beyond.
 NEARLY_EMPTY, NEARLY_FULL = 0.01, 0.99
 LEAST_SHARE_OF_EMPTY, MOST_SHARE_OF_FULL = 0.5, 2.0
-MOST_C_RATE = 100.0
 MOST_COURSES = 100_000
 
 
@@ -121,8 +129,8 @@ def _check_phase(resolver: Resolver, where: str, phase: Phase, battery: Battery,
     until = _numbers(resolver.optional(phase.until, f"{where}.until"))
     _check_until(f"{where}.until", until, battery, settings)
     if "current_a" in phase.until.given:
-        if not isinstance(waveform, ConstantVoltage | ConstantCurrent):
-            raise UserError(f"{where}.until.current_a: only a constant current or voltage can end by current")
+        if not isinstance(waveform, ConstantVoltage | ConstantCurrent | ConstantPower):
+            raise UserError(f"{where}.until.current_a: only a constant current, voltage or power can end by current")
         if not _voltages(resolver, where, phase):
             raise UserError(
                 f"{where}.until.current_a: the current falls where a voltage is held, and nothing holds one; "
@@ -175,6 +183,9 @@ def _check_current(path: str, name: str, value: float, battery: Battery) -> None
             f"{path}: {value:g} A is {value / battery.capacity_in_use_ah:g} C of {battery.capacity_in_use_ah:g} Ah; "
             f"allowed is up to {MOST_C_RATE:g} C, {most:g} A"
         )
+    most *= resting_voltage_v(battery, NEARLY_FULL, 25.0)
+    if name.endswith("_w") and value > most:
+        raise UserError(f"{path}: {value:g} W; allowed is up to {MOST_C_RATE:g} C at the battery's voltage, {most:g} W")
 
 
 def _check_voltage(path: str, value: float, battery: Battery, settings: ChargeSettings) -> None:

@@ -93,7 +93,7 @@ def constant_current_a(mode: Mode, battery: Battery) -> float:
     resolver = Resolver(mode, battery.capacity_in_use_ah, battery.cells_in_series)
     for name, phase in mode.phases.items():
         for parameter in ("max_current_a", "current_a"):
-            if parameter in type(phase.waveform).model_fields:
+            if parameter in type(phase.waveform).model_fields and parameter not in phase.waveform.optional:
                 current = resolver.number(getattr(phase.waveform, parameter), parameter, f"phases.{name}.{parameter}")
                 if isinstance(current, float):
                     return current

@@ -98,7 +98,7 @@ def run_periods(
     limits = program.limits[course]
     watched = limits[WATCHED] > 0.0
     plain, leaking = is_plain(cell) and not watched, is_leaking(cell) and not watched
-    segments = program.segments[course]
+    segments, power_w = program.segments[course], program.power_w[course]
     proposals = run.proposal_s
     reason = NOTHING
     while reason == NOTHING and periods < last:
@@ -125,10 +125,11 @@ def run_periods(
                 while supply + 1 < len(supply_time_s) and time_s >= supply_time_s[supply + 1] - TICK:
                     supply += 1
                     fresh = True
+                run.supplied = supply_power_w[supply] < power_w
                 demand = Demand(
                     program.current_a[course, segment],
                     program.limit_v[course],
-                    supply_power_w[supply],
+                    min(power_w, supply_power_w[supply]),
                     program.charging[course, segment],
                 )
                 due_s = min(next_sample * interval_s, program.stop_elapsed_s, phase_end_s)

@@ -37,6 +37,7 @@ class Program(NamedTuple):
     group: NDArray[np.int64]
     sampled: NDArray[np.bool_]
     averaged: NDArray[np.bool_]
+    power_w: NDArray[np.float64]
     stop_elapsed_s: float
 
 
@@ -60,6 +61,7 @@ def compile_program(protocol: Protocol, cells: int, driver: str) -> Program:
         np.zeros(count, dtype=np.int64),
         np.array([isinstance(course.waveform, Sampled) for course in protocol.courses]),
         np.array([_averages(course, driver) for course in protocol.courses]),
+        np.array([course.values["power_w"] if course.waveform.holds_power else np.inf for course in protocol.courses]),
         protocol.stop.get("elapsed_s", math.inf),
     )
     for row, course in enumerate(protocol.courses):

@@ -12,6 +12,8 @@ from pipeline.errors import UserError, best_matches
 from pipeline.record import Number, Record, Reference
 
 C_RATE = "_c_rate"
+# Beyond it a current has the wrong unit: no charger goes there. One without a limit stops there.
+MOST_C_RATE = 100.0
 UNTIL = ("elapsed_s", "soc", "voltage_v", "current_a", "temperature_c", "voltage_drop_v", "temperature_rate_k_s")
 
 
@@ -117,7 +119,7 @@ def parameters(resolver: Resolver, waveform: Waveform, where: str) -> dict[str, 
         elif isinstance(value, Reference):
             found[name] = value
         elif value is None and name in waveform.optional and not resolver.holds(name):
-            found[name] = waveform.optional[name]
+            found[name] = min(waveform.optional[name], MOST_C_RATE * resolver.capacity_in_use_ah)
         else:
             found[name] = resolver.number(value, name, f"{where}.{name}")
     return {name: value for name, value in found.items() if value is not None}

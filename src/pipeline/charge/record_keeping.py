@@ -91,7 +91,7 @@ def add_step(cell: Cell, run: Run, book: Book, length_s: float) -> None:
     _add_charge(run, book, length_s)
     if run.control == VOLTAGE_CONTROL or run.control == BLOCKED:
         sums[VOLTAGE_LIMITED_S] += length_s
-    elif run.control == POWER_CONTROL:
+    elif run.control == POWER_CONTROL and run.supplied:
         sums[SUPPLY_LIMITED_S] += length_s
     elif gain[CHARGE] > _AT_REST_PER_S * cell.charge_as * length_s:
         sums[CURRENT_LIMITED_S] += length_s

@@ -107,6 +107,8 @@ RUN = np.dtype(
         ("start_heat_w", np.float64),
         # Whether the course that begins next was begun before: what it has seen and decided then holds on.
         ("resumed", np.bool_),
+        # Whether it is the supply that limits the power, not the sheet.
+        ("supplied", np.bool_),
     ],
     align=True,
 )

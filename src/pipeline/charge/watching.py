@@ -62,7 +62,7 @@ def peak_until(run: Run, j: int) -> float:
     There is none while the supply is the limit, which lowers the current, and the voltage with it, as the sun does; nor
     while the charger is blocked.
     """
-    if run.control == POWER_CONTROL or run.control == BLOCKED:
+    if run.control == BLOCKED or (run.control == POWER_CONTROL and run.supplied):
         return NO_PEAK
     v = run.at[TERMINAL_V]
     highest = max(run.peak_v, v[START])
@@ -90,7 +90,7 @@ def watched_guard(cell: Cell, run: Run, charging: bool, drop_v: float, rate_k_s:
     """
     heat_w = run.start_heat_w if j == START else run.at[HEAT, j]
     warming = rate_k_s - heat_w / cell.heat_capacity_j_k
-    if not charging or run.control == POWER_CONTROL or run.control == BLOCKED:
+    if not charging or run.control == BLOCKED or (run.control == POWER_CONTROL and run.supplied):
         return warming, False
     falling = run.at[TERMINAL_V, j] - (peak_until(run, j) - drop_v)
     return min(falling, warming), falling < warming

@@ -18,7 +18,7 @@ Value = float | str | None
 """A number, the name of a knob, or none for the knob of the parameter's own name."""
 
 PER_CAPACITY, PER_CELL = "capacity", "cells"
-SCALED = {"_c_rate": ("_a", PER_CAPACITY), "_v_cell": ("_v", PER_CELL)}
+SCALED = {"_c_rate": ("_a", PER_CAPACITY), "_v_cell": ("_v", PER_CELL), "_w_cell": ("_w", PER_CELL)}
 """Ending of a quantity that goes with any battery -> that of the battery's own, and what it is multiplied by."""
 
 
@@ -93,6 +93,7 @@ class Waveform(Record):
     optional: ClassVar[Mapping[str, float]] = {}
     no_parameters: ClassVar[frozenset[str]] = frozenset()
     holds_voltage: ClassVar[bool] = False
+    holds_power: ClassVar[bool] = False
     periodic: ClassVar[bool] = False
 
     def segments(self, values: Mapping[str, float]) -> list[Segment]:
@@ -122,6 +123,20 @@ class ConstantVoltage(Waveform):
 
     voltage_v: Value = Field(None, description="voltage held [V]")
     max_current_a: Value = Field(None, description="current until then [A]")
+
+    def segments(self, values: Mapping[str, float]) -> list[Segment]:
+        """Return one endless segment."""
+        return [Segment(math.inf, values["max_current_a"], True)]
+
+
+class ConstantPower(Waveform):
+    """A constant power at the terminals, as far as current, voltage and supply allow."""
+
+    optional: ClassVar[Mapping[str, float]] = {"max_current_a": math.inf}
+    holds_power: ClassVar[bool] = True
+
+    power_w: Value = Field(None, description="power [W]")
+    max_current_a: Value = Field(None, description="current not exceeded [A]")
 
     def segments(self, values: Mapping[str, float]) -> list[Segment]:
         """Return one endless segment."""
@@ -239,6 +254,7 @@ class Rest(Waveform):
 WAVEFORMS: dict[str, type[Waveform]] = {
     "constant_current": ConstantCurrent,
     "constant_voltage": ConstantVoltage,
+    "constant_power": ConstantPower,
     "pulse": Pulse,
     "reflex": Reflex,
     "staged": Staged,

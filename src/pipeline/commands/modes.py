@@ -16,8 +16,8 @@ A mode is a YAML file in conf/modes: `title`, knobs, `phases`, `stop`, `sources`
   stop:    what ends the whole charge; the same words as `until`
 A parameter that is not given is taken from the knob of its name; text names another knob; a number stands for itself;
 {from: STEP, value: NAME} is a value that a step finds. Knobs that go with any battery: one that ends in _c_rate is a
-current over the capacity in use, one that ends in _v_cell a voltage per cell in series; max_current_c_rate stands for
-max_current_a, voltage_v_cell for voltage_v.
+current over the capacity in use, one that ends in _v_cell or _w_cell a voltage or power per cell in series;
+max_current_c_rate stands for max_current_a, voltage_v_cell for voltage_v, power_w_cell for power_w.
 """
 
 

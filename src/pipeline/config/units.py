@@ -12,7 +12,7 @@ _UNIT = re.compile(r"\[([^\[\]]+)\]$")
 # For names that the user chooses: knobs that feed no parameter of a phase, variables of a search. The longest decides.
 _ENDINGS = {
     "_a": "A", "_c": "degC", "_c_rate": "C-rate", "_h": "h", "_hz": "Hz", "_k": "K", "_k_s": "K/s", "_ohm": "ohm",
-    "_s": "s", "_v": "V", "_v_cell": "V", "_w": "W",
+    "_s": "s", "_v": "V", "_v_cell": "V", "_w": "W", "_w_cell": "W",
 }  # fmt: skip
 
 
