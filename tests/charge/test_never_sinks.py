@@ -20,6 +20,7 @@ PULSED = {"charge_share": 0.6, "frequency_hz": HERTZ}
 WAVEFORMS = {
     "constant_current": lambda a, v: {"current_a": a},
     "constant_voltage": lambda a, v: {"max_current_a": a, "voltage_v": v},
+    "constant_power": lambda a, v: {"power_w": a * v},
     "pulse": lambda a, v: PULSED | {"charge_a": a},
     "reflex": lambda a, v: PULSED | {"charge_a": a, "discharge_a": 0.3 * a, "discharge_share": 0.2},
     "staged": lambda a, v: {"currents_a": [a], "soc_edges": [0.999]},

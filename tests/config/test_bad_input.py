@@ -16,6 +16,8 @@ from pipeline.errors import UserError
 
 REFLEX = "modes.cv_reflex"
 BULK = f"{REFLEX}.phases.bulk.until"
+# A single phase that is over leaves nothing; one of several is skipped.
+ONLY = "modes.cc_cv.phases.charge.until={{{}}}"
 
 BATTERY = [
     ("battery.capacity_ah=-7", "capacity_ah: .*greater than 0"),
@@ -38,12 +40,13 @@ BATTERY = [
 ZERO_LENGTH = [
     (f"{BULK}.elapsed_s=0", r"bulk\.until\.elapsed_s: 0; it must be greater than 0"),
     (f"{BULK}.elapsed_s=1.0e-12", r"bulk\.until\.elapsed_s: 1e-12 s; allowed is 1e-06 s or more"),
-    (f"+{BULK}.soc=0.1", r"bulk\.until\.soc: 0.1 is met at the start, initial_soc 0.2; give more"),
-    (f"+{BULK}.voltage_v=9", r"bulk\.until\.voltage_v: 9 V is met at the start, .* rests at 12.08 V; give more"),
+    (ONLY.format("soc: 0.1"), r"charge\.until\.soc: 0.1 is met at the start, initial_soc 0.2; give more"),
+    (ONLY.format("voltage_v: 9"), r"charge\.until\.voltage_v: 9 V is met at the start, .* rests at 12.08 V; give more"),
     (f"+{BULK}.current_a=5", r"bulk\.until\.current_a: 5 A, but the current is never above 2.1 A; give less"),
-    (f"{BULK}.temperature_c=20", r"bulk\.until\.temperature_c: 20 degC is not above the ambient's 25"),
+    (ONLY.format("temperature_c: 20"), r"charge\.until\.temperature_c: 20 degC is not above the ambient's 25"),
     ("modes.cc_cv.stop.elapsed_s=0", r"stop\.elapsed_s: 0; it must be greater than 0"),
     ("modes.cc_cv.stop.soc=0.1", r"stop\.soc: 0.1 is not above initial_soc 0.2"),
+    ("modes.cc_cv.stop.temperature_c=20", r"stop\.temperature_c: 20 degC is not above the ambient's 25"),
     ("+modes.cc_cv.stop.voltage_v=9", r"stop\.voltage_v: 9 V is met at the start"),
     ("+modes.cc_cv.stop.current_a=3", r"stop\.current_a: 3 A, but the current is never above 2.1 A"),
     (f"{REFLEX}.charge_share=0", "charge_share: 0 is not a share of the period"),

@@ -234,10 +234,6 @@ def _check_until(where: str, until: Mapping[str, float], battery: Battery, setti
         raise UserError(
             f"{where}.soc: {soc:g} is never reached; give {'1 or less' if battery.fills else 'less than 1'}"
         )
-    if until.get("temperature_c", 1e9) <= settings.ambient_c:
-        raise UserError(
-            f"{where}.temperature_c: {until['temperature_c']:g} degC is not above the ambient's {settings.ambient_c:g}"
-        )
 
 
 def _check_ends(mode: Mode, stop: Mapping[str, float], settings: ChargeSettings) -> None:
@@ -265,21 +261,19 @@ def _check_ends(mode: Mode, stop: Mapping[str, float], settings: ChargeSettings)
 def _check_begun(
     resolver: Resolver, mode: Mode, stop: Mapping[str, float], battery: Battery, settings: ChargeSettings
 ) -> None:
-    """Refuse what is over as it begins: limits that a resting battery is beyond, currents never above theirs."""
-    first = next(iter(mode.phases))
-    until = _numbers(resolver.optional(mode.phases[first].until, f"phases.{first}.until"))
+    """Refuse what is over as it begins: the charge itself, all of its phases, currents never above theirs.
+
+    A single phase that is over is skipped, as chargers do, and the outcome says so.
+    """
     resting = resting_voltage_v(battery, settings.initial_soc, settings.ambient_c)
-    for where, limits in ((f"phases.{first}.until", until), ("stop", stop)):
-        if limits.get("voltage_v", math.inf) <= resting:
-            raise UserError(
-                f"{where}.voltage_v: {limits['voltage_v']:g} V is met at the start, where the battery rests at "
-                f"{resting:.2f} V; give more"
-            )
-    if until.get("soc", 1.0) <= settings.initial_soc:
-        raise UserError(
-            f"phases.{first}.until.soc: {until['soc']:g} is met at the start, initial_soc {settings.initial_soc:g}; "
-            "give more"
-        )
+    over: list[str] = []
+    for name, phase in mode.phases.items():
+        where = f"phases.{name}.until"
+        until = _numbers(resolver.optional(phase.until, where))
+        over += [] if isinstance(phase.waveform, Rest) else [_met_at_rest(where, until, resting, settings)]
+    for told in (_met_at_rest("stop", stop, resting, settings), over[0] if over and all(over) else ""):
+        if told:
+            raise UserError(told)
     largest = {name: _largest_a(resolver, name, phase) for name, phase in mode.phases.items()}
     ends = {
         f"phases.{name}.until": (_numbers(resolver.optional(phase.until, f"phases.{name}.until")), largest[name])
@@ -290,6 +284,23 @@ def _check_begun(
             raise UserError(
                 f"{where}.current_a: {limits['current_a']:g} A, but the current is never above {most:g} A; give less"
             )
+
+
+def _met_at_rest(where: str, limits: Mapping[str, float], resting_v: float, settings: ChargeSettings) -> str:
+    """Return which limit a battery at rest is beyond, in words; empty where there is none."""
+    if limits.get("voltage_v", math.inf) <= resting_v:
+        return (
+            f"{where}.voltage_v: {limits['voltage_v']:g} V is met at the start, where the battery rests at "
+            f"{resting_v:.2f} V; give more"
+        )
+    if limits.get("soc", 1.0) <= settings.initial_soc:
+        soc = limits["soc"]
+        return f"{where}.soc: {soc:g} is met at the start, initial_soc {settings.initial_soc:g}; give more"
+    if limits.get("temperature_c", math.inf) <= settings.ambient_c:
+        return (
+            f"{where}.temperature_c: {limits['temperature_c']:g} degC is not above the ambient's {settings.ambient_c:g}"
+        )
+    return ""
 
 
 def _largest_a(resolver: Resolver, name: str, phase: Phase) -> float:

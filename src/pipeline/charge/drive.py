@@ -12,7 +12,7 @@ from pipeline.charge.averaged import begin_strides, next_periods
 from pipeline.charge.controller import Control, begin, next_current
 from pipeline.charge.period import EXHAUSTED, TICK, run_periods
 from pipeline.charge.program import Program
-from pipeline.charge.record_keeping import Book, reset_extremes, take_sample
+from pipeline.charge.record_keeping import VOLTAGE_LIMITED_S, Book, reset_extremes, take_sample
 from pipeline.charge.segment import EDGE, FAILED, LIMITS, NOTHING
 from pipeline.charge.state import DEPTH, TEMPERATURE
 from pipeline.charge.watching import NO_PEAK
@@ -103,6 +103,7 @@ def run_program(
         row = book.phases[book.filled[1]]
         row[0], row[1], row[2], row[3], row[4] = clock.group, clock.course_start_s, clock.time_s, reason, start_depth
         row[5], row[6], row[7] = run.state[DEPTH], run.state[TEMPERATURE], course
+        row[8] = book.totals[VOLTAGE_LIMITED_S] + book.sums[VOLTAGE_LIMITED_S]
         book.filled[1] += 1
         if LIMITS <= reason < EDGE:
             break

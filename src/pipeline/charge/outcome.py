@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+import math
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -10,11 +11,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pipeline.cell.circuit import ZERO_CELSIUS_K, Cell
-from pipeline.charge.protocol import UNTIL, Protocol
-from pipeline.charge.record_keeping import Book
-from pipeline.charge.records import Mode
+from pipeline.charge.protocol import UNTIL, Course, Protocol
+from pipeline.charge.record_keeping import SUPPLY_LIMITED_S, Book
 from pipeline.charge.segment import LIMITS
-from pipeline.charge.state import DEPTH, Run
+from pipeline.charge.state import DEPTH, TOTAL, Run
 
 Columns = dict[str, Any]
 
@@ -30,6 +30,7 @@ _WORDS = {
 # What ends a charge that is done; time and temperature end one that is given up.
 _GOALS = ("soc", "voltage_v", "current_a", "voltage_drop_v", "temperature_rate_k_s")
 _ROUNDING = 1e-9
+_MOST_NAMED = 4
 
 
 @dataclass(frozen=True)
@@ -94,7 +95,7 @@ def phases(outcome: Outcome) -> Columns:
         "phase": [outcome.protocol.courses[int(course)].name for course in rows[:, 7]],
         "start_s": rows[:, 1].copy(),
         "end_s": rows[:, 2].copy(),
-        "end_reason": [reason(outcome, row) for row in range(len(rows))],
+        "end_reason": [_reason_of_phase(outcome, row) for row in range(len(rows))],
         "start_soc": 1.0 - rows[:, 4],
         "end_soc": 1.0 - rows[:, 5],
         "end_temperature_c": rows[:, 6] - ZERO_CELSIUS_K,
@@ -112,22 +113,87 @@ def reason(outcome: Outcome, row: int) -> str:
     return f"{'stop: ' if of_stop else ''}{_told(name, limits)}"
 
 
-def missed(outcome: Outcome, mode: Mode) -> str | None:
-    """Return in words which of its goals a charge did not reach, and why; None where it reached one or had none.
+def missed(outcome: Outcome) -> str:
+    """Return in words what a charge was to do and did not; empty where there is nothing to say.
 
-    Goals are the stops of SOC, voltage and current and those that are watched for; any of them may end the charge.
-    Time and temperature are limits: a charge that has no goal beside them misses nothing.
+    Which of its goals it did not reach and why, which phases never ran, and which were over as they began. Goals are
+    the stops of SOC, voltage and current and those that are watched for, of the charge and of its last phase; any of
+    them may end the charge. Time and temperature are limits: a charge that has no goal beside them misses none.
     """
+    goal = _missed_goal(outcome)
+    parts = [goal, _not_held(outcome) if goal else "", _listed(_never_ran(outcome), "never ran"), *_skipped(outcome)]
+    return "; ".join(part for part in parts if part)
+
+
+def _missed_goal(outcome: Outcome) -> str:
+    protocol, totals = outcome.protocol, outcome.book.totals
     name, limits, of_stop = _end(outcome, -1)
-    goals = {goal: outcome.protocol.stop[goal] for goal in _GOALS if goal in mode.stop.given}
+    last = protocol.courses[-1]
+    of_last = {"soc": last.edge_soc} if last.edge_soc is not None else {}
+    stops = {goal: value for goal, value in protocol.stop.items() if goal not in protocol.built_in}
+    wanted = {**of_last, **last.until, **stops}
+    full = of_stop and name in protocol.built_in
+    goals = {goal: wanted[goal] for goal in _GOALS if goal in wanted}
+    if full and not goals:
+        goals = {"elapsed_s": protocol.stop["elapsed_s"]}
+    ended = protocol.courses[int(outcome.book.phases[outcome.book.filled[1] - 1, 7])]
+    done = name in stops if of_stop else ended.group == last.group and name not in stops
     end_soc = 1.0 - float(outcome.run["state"][DEPTH])
-    if not goals or (name in _GOALS and (of_stop or name not in goals)):
-        return None
-    if end_soc >= goals.get("soc", 2.0) - _ROUNDING:
-        return None
-    said = " or ".join(_goal(goal, value) for goal, value in goals.items())
+    if not goals or (name in _GOALS and done) or end_soc >= goals.get("soc", 2.0) - _ROUNDING:
+        return ""
+    said = " or ".join(_limit(goal, value) for goal, value in goals.items())
     where = "" if of_stop else "the last phase ended, "
-    return f"{said} not reached, SOC {end_soc:.4g} at {_hours(outcome.end_s)}: {where}{_limit(name, limits[name])}"
+    # The last step tells the current only where every step is integrated: pulses may be crossed in closed form.
+    flowing = f", {outcome.run['at'][TOTAL, 2]:.4g} A flowing" if "current_a" in goals and _steady(ended) else ""
+    why = "the battery is full" if full else _limit(name, limits[name])
+    lit_s = float(totals[SUPPLY_LIMITED_S])
+    dim = f", the supply at its limit for {_hours(lit_s)}" if lit_s > 0.0 and name == "elapsed_s" else ""
+    return f"{said} not reached, SOC {end_soc:.4g} at {_hours(outcome.end_s)}{flowing}: {where}{why}{dim}"
+
+
+def _steady(course: Course) -> bool:
+    return math.isinf(course.segments[0].length_s)
+
+
+def _not_held(outcome: Outcome) -> str:
+    """Return which voltage the phase in which the charge ended was to hold and never came to."""
+    rows = outcome.book.phases[: outcome.book.filled[1]]
+    course = outcome.protocol.courses[int(rows[-1, 7])]
+    before_s = rows[-2, 8] if len(rows) > 1 else 0.0
+    if not course.waveform.holds_voltage or rows[-1, 8] > before_s:
+        return ""
+    return f"{course.name} never held its {course.values['voltage_v']:g} V"
+
+
+def _never_ran(outcome: Outcome) -> list[str]:
+    """Return the names of the phases and stages, in the order of the sheet, of which no turn was begun."""
+    courses = outcome.protocol.courses
+    begun = {courses[int(row[7])].name for row in outcome.book.phases[: outcome.book.filled[1]]}
+    return [name for name in dict.fromkeys(course.name for course in courses) if name not in begun]
+
+
+def _skipped(outcome: Outcome) -> list[str]:
+    """Return what is to be said of the phases and stages whose end was met in every turn as they began."""
+    rows = outcome.book.phases[: outcome.book.filled[1]]
+    names = [outcome.protocol.courses[int(row[7])].name for row in rows]
+    ran = {name for row, name in enumerate(names) if not _met_at_start(outcome, row)}
+    said = {name: _reason_of_phase(outcome, row) for row, name in enumerate(names) if name not in ran}
+    return [f"{name} skipped: {why}" for name, why in said.items()]
+
+
+def _met_at_start(outcome: Outcome, row: int) -> bool:
+    """Tell whether a phase was over as it began; not where the whole charge was."""
+    return bool(outcome.book.phases[row, 1] == outcome.book.phases[row, 2]) and not _end(outcome, row)[2]
+
+
+def _reason_of_phase(outcome: Outcome, row: int) -> str:
+    return reason(outcome, row) + (", met as it began" if _met_at_start(outcome, row) else "")
+
+
+def _listed(names: Sequence[str], told: str) -> str:
+    if len(names) > _MOST_NAMED:
+        return f"{names[0]}, {names[1]}, ... {names[-1]} ({len(names)} phases) {told}"
+    return f"{' and '.join(filter(None, [', '.join(names[:-1]), names[-1]]))} {told}" if names else ""
 
 
 def _end(outcome: Outcome, row: int) -> tuple[str, Mapping[str, float], bool]:

@@ -36,10 +36,11 @@ class Course:
 
 @dataclass(frozen=True)
 class Protocol:
-    """A mode in numbers, for one battery."""
+    """A mode in numbers, for one battery; `built_in` names the stops that are the model's and not the sheet's."""
 
     courses: tuple[Course, ...]
     stop: Mapping[str, float]
+    built_in: frozenset[str] = frozenset()
 
 
 class Resolver:
@@ -148,7 +149,9 @@ def resolve(mode: Mode, capacity_in_use_ah: float, fills: bool = False, cells: i
             number = turn * len(once) + place
             courses += [replace(course, group=number) for course in group]
     stop = _closed(resolver.optional(mode.stop, "stop"), "stop")
-    return Protocol(tuple(courses), {"soc": 1.0} | stop if fills else stop)
+    if fills and "soc" not in stop:
+        return Protocol(tuple(courses), {"soc": 1.0} | stop, frozenset({"soc"}))
+    return Protocol(tuple(courses), stop)
 
 
 def _courses(resolver: Resolver, name: str, phase: Phase) -> list[Course]:

@@ -55,7 +55,7 @@ from pipeline.jit import inlined, kernel
 LOWEST_V, HIGHEST_V, LOWEST_A, HIGHEST_A = range(4)
 
 SAMPLE_COLUMNS = 17
-PHASE_COLUMNS = 8
+PHASE_COLUMNS = 9
 WAVEFORM_COLUMNS = 6
 POINTS_PER_SEGMENT = 24
 # A stop at a mark ends the charge within this of it.

@@ -75,7 +75,7 @@ def simulate(battery: Battery, mode: Mode, supply: Supply, settings: ChargeSetti
         waveform=waveform(outcome),
         phases=phases(outcome),
         energy=energy,
-        summary=summarise(outcome, battery, settings, energy, reason(outcome, -1), missed(outcome, mode)),
+        summary=summarise(outcome, battery, settings, energy, reason(outcome, -1), missed(outcome)),
     )
 
 

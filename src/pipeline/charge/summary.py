@@ -38,9 +38,9 @@ def summarise(
     settings: ChargeSettings,
     energy: dict[str, Any],
     reason: str,
-    missed: str | None,
+    missed: str,
 ) -> list[Quantity]:
-    """Return the quantities of a charge, in the order of the table; what it missed only where it missed something."""
+    """Return the quantities of a charge, in the order of the table; `missed` is empty where nothing was."""
     totals, start, end = outcome.book.totals, outcome.start, outcome.run["state"]
     of_path = dict(zip(energy["path"], energy["energy_j"], strict=True))
     net_as = totals[CHARGE_IN] - totals[CHARGE_OUT]
@@ -73,7 +73,7 @@ def summarise(
         "control_changes": run["changes"],
     }
     rows = [*_marks(outcome, settings), *(_number(name, value) for name, value in numbers.items())]
-    texts = [_text("end_reason", reason), *([_text("missed", missed)] if missed is not None else [])]
+    texts = [_text("end_reason", reason), _text("missed", missed)]
     after = next(place for place, row in enumerate(rows) if row.quantity == "end_soc") + 1
     return rows[:after] + texts + rows[after:]
 

@@ -11,7 +11,7 @@ SUMMARY = Vocabulary(
         "end_time_s": ("s", "time at which the charge ended"),
         "end_soc": ("1", "state of charge at the end"),
         "end_reason": ("", "what ended the charge"),
-        "missed": ("", "what it was to reach and did not, and why"),
+        "missed": ("", "goals it did not reach and why, phases that never ran or were over as they began; else empty"),
         "charge_in_ah": ("Ah", "charge put in, discharge pulses not subtracted"),
         "charge_out_ah": ("Ah", "charge taken out by discharge pulses"),
         "energy_in_wh": ("Wh", "energy put in, discharge pulses not subtracted"),

@@ -73,7 +73,7 @@ def test_a_charge_that_missed_its_goal_is_told_in_a_sentence(tmp_path: Path) -> 
         "description": [""],
     }
     making.output("charge", tmp_path / "missed").write("summary", summary)
-    write_run(tmp_path / "reached", 9000.0)
+    making.output("charge", tmp_path / "reached").write("summary", summary | {"text": [""]})
     inputs = {"charge/peak/cc": tmp_path / "missed", "charge/peak/reflex": tmp_path / "reached"}
     labels = {"cc": ModeLabel("CC-CV"), "reflex": ModeLabel("CV-Reflex")}
     data = ReportData(making.inputs(inputs), labels, {"peak": "Same peak current"})

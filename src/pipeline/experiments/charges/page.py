@@ -17,14 +17,20 @@ def tables(data: ReportData) -> list[ReportTable]:
 
 
 def notes(data: ReportData) -> list[str]:
-    """Return a sentence for every charge that reached none of its goals: which, how far it came, and why."""
+    """Return a sentence for every charge that missed something: goals and why, phases that did not run."""
+    if len(data.cells) < 2:
+        return _missed(data, "")
+    return [*_missed(data, ""), *_missed(data.second(), f", {data.cells[1]}")]
+
+
+def _missed(data: ReportData, of_battery: str) -> list[str]:
     found = []
     for comparison, title in data.comparisons.items():
         for mode in data.charged(comparison):
             summary = data.charge(comparison, mode, "summary")
             texts = dict(zip(map(str, summary["quantity"]), summary["text"], strict=True))
-            if texts.get("missed") is not None:
-                found.append(f"{data.modes[mode].title} ({title}): {texts['missed']}.")
+            if texts.get("missed"):
+                found.append(f"{data.modes[mode].title} ({title}{of_battery}): {texts['missed']}.")
     return found
 
 

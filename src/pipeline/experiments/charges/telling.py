@@ -1,4 +1,4 @@
-"""What the terminal says at the end: which charges ended before they were where they were to go."""
+"""What the terminal says at the end: what charges were to reach and did not, and which phases did not run."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from pipeline.kernel import store, tables
 
 
 def lines(run: Mapping[str, Any], steps: Collection[str], results: Path) -> Iterator[str]:
-    """Yield a line for each charge of a run that is in the store and reached none of its goals.
+    """Yield a line for each charge of a run that is in the store and missed something.
 
     Arguments
     ---------
@@ -25,5 +25,5 @@ def lines(run: Mapping[str, Any], steps: Collection[str], results: Path) -> Iter
             continue
         columns = tables.read(file.table, summary)
         for quantity, text in zip(columns["quantity"], columns["text"], strict=True):
-            if quantity == "missed":
+            if quantity == "missed" and text:
                 yield f"{run['study']}/{run['name']} {name}: {text}"
