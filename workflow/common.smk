@@ -1,7 +1,7 @@
 # What the rules share: the plan as Snakemake sees it.
 from pipeline.commands.workflow import forced, open_workflow
 
-flow = open_workflow(config, tidy=workflow.is_main_process)
+flow = open_workflow(config, workflow.is_main_process)
 
 
 # The command of a step's jobs; a forced job computes what is there already and compares.

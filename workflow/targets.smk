@@ -16,7 +16,7 @@ for path, chunk in flow.files().items():
         input:
             ancient(flow.needs(chunk)),
         output:
-            path,
+            flow.placed(path, chunk),
         log:
             flow.log("publish").format(chunk=chunk),
         params:

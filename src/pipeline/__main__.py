@@ -4,13 +4,12 @@ from __future__ import annotations
 
 import os
 import sys
-import time
-import traceback
 from collections.abc import Callable, Sequence
 from importlib import import_module
 
 from pipeline.errors import UserError
 from pipeline.kernel import store
+from pipeline.kernel.last_resort import last_resort
 
 COMMANDS = ("run", "compare", "report", "store", "validate", "steps", "modes", "schema", "new")
 """The words; each is a module of `pipeline.commands` with `main(arguments) -> exit code`."""
@@ -29,19 +28,11 @@ def main(arguments: Sequence[str]) -> int:
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         return 0
     except Exception as error:  # the last resort: one line for a person, the rest for whoever mends the program
-        print(f"error: {type(error).__name__}: {' '.join(str(error).split())[:300]}{_log()}", file=sys.stderr)
+        print(f"error: {last_resort(error, store.RESULTS)}", file=sys.stderr)
         return 1
-
-
-def _log() -> str:
-    """Write the traceback to a file under results/logs; return how the message names it."""
-    name = f"error-{time.strftime('%Y%m%dT%H%M%S')}-{os.getpid()}.log"
-    try:
-        file = store.RESULTS / "logs" / name
-        store.write_text(file, traceback.format_exc())
-    except OSError as error:
-        return f" (no log file: {error.strerror})"
-    return f" (unexpected; details in {file})"
+    except KeyboardInterrupt:
+        print("ended by a signal; the same command goes on where it was", file=sys.stderr)
+        return 130
 
 
 def _command(name: str) -> Callable[[Sequence[str]], int]:

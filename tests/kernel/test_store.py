@@ -13,6 +13,7 @@ from pathlib import Path
 import pytest
 
 from pipeline.kernel import planfile, store
+from pipeline.kernel.errors import UserError
 from pipeline.kernel.store import StoreError
 
 KEY = "a" * 64
@@ -108,30 +109,6 @@ def test_a_killed_job_leaves_nothing_that_counts(tmp_path: Path) -> None:
     assert [path.name for path in (tmp_path / "store" / "step").iterdir()] == [KEY]
 
 
-def test_broken_receipts_are_dropped(tmp_path: Path) -> None:
-    made = store.make(tmp_path, "step", KEY, _writer("x"))
-    names = ("good-1", "gone-1", "torn-1")
-    chunks = {name: {"step": "step", "needs": []} for name in names} | {
-        "after-1": {"step": "step", "needs": ["gone-1"]}
-    }
-    store.write_receipt(tmp_path, "step", "after-1", {KEY: made}, {})
-    store.write_receipt(tmp_path, "step", "good-1", {KEY: made}, {})
-    store.write_receipt(tmp_path, "step", "gone-1", {"b" * 64: made}, {})
-    store.receipt(tmp_path, "step", "torn-1").write_text('{"step": "st')
-    assert sorted(store.drop_broken_receipts(tmp_path, chunks)) == ["after-1", "gone-1", "torn-1"]
-    assert store.receipt(tmp_path, "step", "good-1").is_file()
-
-
-def test_a_receipt_of_a_view_ends_with_the_view(tmp_path: Path) -> None:
-    manifest = tmp_path / "results" / "study" / "run" / "manifest.json"
-    chunks = {"p-1": {"step": "publish", "needs": []}}
-    store.write_json(manifest, {"digest": "one", "artefacts": []})
-    store.write_receipt(tmp_path, "publish", "p-1", {}, {str(manifest): "one"})
-    assert store.drop_broken_receipts(tmp_path, chunks) == []
-    store.write_json(manifest, {"digest": "two", "artefacts": []})
-    assert store.drop_broken_receipts(tmp_path, chunks) == ["p-1"]
-
-
 def test_links_replace_and_leave_no_second_name(tmp_path: Path) -> None:
     for name in ("a", "b"):
         (tmp_path / name).write_text(name)
@@ -148,45 +125,94 @@ def test_texts_are_written_whole(tmp_path: Path) -> None:
     assert [path.name for path in (tmp_path / "deep").iterdir()] == ["x.json"]
 
 
-@pytest.mark.parametrize("verify", [False, True])
-def test_what_changed_at_rest_is_quarantined_and_said(verify: bool, tmp_path: Path) -> None:
+PLAN = {"version": planfile.VERSION, "runs": [], "nodes": {}, "chunks": {}}
+
+
+@pytest.mark.parametrize("text", ["{", "", "[]", '{"version": 3}'])
+def test_a_plan_that_was_cut_short_is_written_anew(text: str, tmp_path: Path) -> None:
+    path = planfile.save(PLAN, tmp_path)
+    path.write_text(text)
+    with pytest.raises(UserError, match="make it anew"):
+        planfile.load(path)
+    said: list[str] = []
+    assert planfile.load(planfile.save(PLAN, tmp_path, said.append)) == PLAN
+    assert said == [f"plan {path}: changed since it was made; made anew"]
+
+
+def test_an_edited_plan_is_refused_under_any_name(tmp_path: Path) -> None:
+    path = planfile.save(PLAN, tmp_path)
+    edited = json.loads(path.read_text()) | {"runs": [1]}
+    for place in (path, tmp_path / "mine.json"):
+        place.write_text(json.dumps(edited))
+        with pytest.raises(UserError, match="changed since it was made; remove it and make it anew"):
+            planfile.load(place)
+
+
+def test_a_plan_under_the_name_of_another_is_refused(tmp_path: Path) -> None:
+    path = planfile.save(PLAN, tmp_path)
+    other = path.with_name("0123456789abcdef.json")
+    other.write_bytes(path.read_bytes())
+    with pytest.raises(UserError, match="changed since it was made"):
+        planfile.load(other)
+
+
+def test_a_link_on_the_way_is_refused(tmp_path: Path) -> None:
+    elsewhere = tmp_path / "elsewhere"
+    elsewhere.mkdir()
+    results = tmp_path / "results"
+    (results / "plan").parent.mkdir()
+    (results / "plan").symlink_to(elsewhere)
+    with pytest.raises(UserError, match=r"a symbolic link .*remove the link"):
+        planfile.save(PLAN, results)
+    assert list(elsewhere.iterdir()) == []
+
+
+def test_the_whole_of_results_may_be_a_link(tmp_path: Path) -> None:
+    (tmp_path / "elsewhere").mkdir()
+    (tmp_path / "results").symlink_to(tmp_path / "elsewhere")
+    assert planfile.load(planfile.save(PLAN, tmp_path / "results")) == PLAN
+
+
+def test_what_a_job_finds_damaged_is_made_again_by_the_next_run(tmp_path: Path) -> None:
     made = store.make(tmp_path, "step", KEY, _writer("x"))
-    store.write_receipt(tmp_path, "step", "one-1", {KEY: made}, {})
-    chunks = {"one-1": {"step": "step", "needs": []}}
     victim = store.artefact(tmp_path, "step", KEY) / "one.txt"
-    before = victim.stat()
     victim.chmod(0o644)
     victim.write_text("y")
-    said: list[str] = []
-    if verify:
-        # Same size, time and inode: only reading shows it.
-        os.utime(victim, ns=(before.st_atime_ns, before.st_mtime_ns))
-        assert store.drop_broken_receipts(tmp_path, chunks, say=said.append) == []
-    assert store.drop_broken_receipts(tmp_path, chunks, verify, said.append) == ["one-1"]
-    assert len(said) == 1
-    assert str(victim) in said[0]
-    assert [path.read_text() for path in (tmp_path / "quarantine").rglob("*.txt")] == ["y"]
+    with pytest.raises(StoreError, match="run the same command again"):
+        store.whole(tmp_path, "step", KEY, "input x")
     assert store.make(tmp_path, "step", KEY, _writer("x")) == made
+    assert [path.read_text() for path in (tmp_path / "quarantine").rglob("one.txt")] == ["y"]
 
 
-def test_a_touched_file_of_the_same_content_stays(tmp_path: Path) -> None:
-    made = store.make(tmp_path, "step", KEY, _writer("x"))
-    store.write_receipt(tmp_path, "step", "one-1", {KEY: made}, {})
-    receipt = store.receipt(tmp_path, "step", "one-1")
-    before = receipt.stat().st_mtime_ns
-    os.utime(store.artefact(tmp_path, "step", KEY) / "one.txt", ns=(1, 1))
-    assert store.drop_broken_receipts(tmp_path, {"one-1": {"step": "step", "needs": []}}) == []
-    assert receipt.stat().st_mtime_ns == before
+def test_a_file_where_an_artefact_belongs_is_replaced(tmp_path: Path) -> None:
+    folder = store.artefact(tmp_path, "step", KEY)
+    folder.parent.mkdir(parents=True)
+    folder.write_text("")
+    store.make(tmp_path, "step", KEY, _writer("x"))
+    assert store.damage(folder) is None
 
 
-@pytest.mark.parametrize("text", ["[1]", "{", "3", ""])
-def test_a_damaged_receipt_is_dropped(text: str, tmp_path: Path) -> None:
-    store.write_text(store.receipt(tmp_path, "step", "one-1"), text)
-    assert store.drop_broken_receipts(tmp_path, {"one-1": {"step": "step", "needs": []}}) == ["one-1"]
+def test_a_removed_artefact_leaves_what_its_links_point_to(tmp_path: Path) -> None:
+    outside = tmp_path / "outside.txt"
+    outside.write_text("kept")
+    outside.chmod(0o600)
+    folder = tmp_path / "artefact"
+    folder.mkdir()
+    (folder / "link").symlink_to(outside)
+    store.remove(folder)
+    assert outside.read_text() == "kept"
+    assert stat.S_IMODE(outside.stat().st_mode) == 0o600
 
 
-def test_a_plan_that_was_cut_short_is_written_anew(tmp_path: Path) -> None:
-    plan = {"version": planfile.VERSION, "runs": [], "nodes": {}, "chunks": {}}
-    path = planfile.save(plan, tmp_path)
-    path.write_text("{")
-    assert planfile.load(planfile.save(plan, tmp_path)) == plan
+def test_only_what_no_living_process_owns_is_abandoned(tmp_path: Path) -> None:
+    ended = subprocess.Popen([sys.executable, "-c", ""])
+    ended.wait()
+    results = tmp_path / "results"
+    dead = [f"store/step/.{KEY}.abcdefgh.{ended.pid}", f"receipts/step/.one-1.json.x_3.{ended.pid}"]
+    dead += ["receipts/step/.one-1.json.abcd_f12", f"study/run/.a.parquet.{ended.pid}"]
+    living = [f"store/step/.{KEY}.abcdefgh.{os.getpid()}", "study/run/a.parquet", ".lock", "study/run/.gitignore"]
+    for name in (*dead, *living):
+        (results / name).mkdir(parents=True)
+    figure = tmp_path / "reports" / "study" / "run" / f".figure.svg.{ended.pid}"
+    figure.mkdir(parents=True)
+    assert set(store.abandoned(results)) == {*(results / name for name in dead), figure}

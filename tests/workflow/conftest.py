@@ -15,6 +15,8 @@ from pathlib import Path
 import pytest
 import yaml
 
+from pipeline.commands import new
+
 ROOT = Path(__file__).resolve().parents[2]
 FIGURES = ("panel_curves", "figure_16_battery_temperature", "energy_by_loss_path")
 PARTS = ("Snakefile", "workflow", "profiles", "conf", "src", "requirements.lock")
@@ -95,6 +97,28 @@ def copy_project(folder: Path) -> Project:
     cards = yaml.safe_load(figures.read_text())
     figures.write_text(yaml.safe_dump({name: cards[name] for name in FIGURES}, sort_keys=False))
     return Project(folder)
+
+
+def small_project(folder: Path) -> Project:
+    """Copy what a run needs, and one study of seven jobs of a second each, `resting_study`."""
+    copy_parts(folder)
+    for other in (folder / "conf" / "study").glob("*.yaml"):
+        other.unlink()
+    list(new.write("resting", folder))
+    study = folder / "conf" / "study" / "resting_study.yaml"
+    study.write_text(study.read_text().replace("  apart: true\n", ""))
+    mode = folder / "conf" / "modes" / "cc_cv.yaml"
+    mode.write_text(re.sub(r"elapsed_s: [\d.]+", "elapsed_s: 100", mode.read_text()))
+    return Project(folder)
+
+
+@pytest.fixture(scope="session")
+def small(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Project]:
+    """A small copy of the project in which everything has been made once."""
+    made = small_project(tmp_path_factory.mktemp("small") / "project")
+    made.snakemake()
+    yield made
+    subprocess.run(["chmod", "-R", "u+w", str(made.folder)], check=True)
 
 
 @pytest.fixture(scope="session")

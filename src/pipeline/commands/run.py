@@ -3,16 +3,17 @@
 from __future__ import annotations
 
 import argparse
+import os
+import signal
 import subprocess
 import sys
 from collections.abc import Sequence
-from pathlib import Path
 
-from pipeline.commands.workflow import tell
+from pipeline.commands.workflow import say, tell
 from pipeline.config.compose import compose_tree, expand, groups, options
 from pipeline.config.planning import make_plan
 from pipeline.errors import UserError
-from pipeline.kernel import planfile, registry, store
+from pipeline.kernel import lock, planfile, publish, registry, store
 from pipeline.kernel.digest import PROJECT
 
 EXAMPLES = """\
@@ -44,18 +45,52 @@ def main(arguments: Sequence[str]) -> int:
     for line in planfile.warnings(plan):
         print(line, file=sys.stderr, flush=True)
     planfile.target(plan, options_.target)
-    file = planfile.save(plan, store.RESULTS)
+    file = planfile.save(plan, store.RESULTS, say)
     print(
         f"plan {file}: {len(runs)} run{'s' * (len(runs) != 1)}, {len(plan['nodes'])} artefacts, "
         f"{len(plan['chunks'])} jobs at most",
         flush=True,
     )
-    code = _snakemake(file, options_)
-    if code == 0 and not options_.dry_run:
-        # Snakemake itself would say nothing where nothing was to be done.
-        for line in tell(plan, [options_.target], store.RESULTS):
-            print(line)
+    words = [options_.target, "--cores", str(options_.cores)]
+    words += ["--forceall"] * options_.force
+    words += ["--config", f"plan={file}", "tell=false", *["verify=true"] * options_.verify]
+    if options_.dry_run:
+        return snakemake(["--dry-run", *words])
+    publish.own(plan, store.RESULTS)
+    with lock.held(store.RESULTS, say) as descriptor:
+        code = snakemake(words, descriptor)
+        if code == 0:
+            # Snakemake itself would say nothing where nothing was to be done.
+            for line in tell(plan, [options_.target], store.RESULTS):
+                print(line)
     return code
+
+
+def snakemake(words: Sequence[str], descriptor: int | None = None) -> int:
+    """Run Snakemake with the project's workflow and profile; return its exit code.
+
+    A signal that ends this command is handed on, and Snakemake waited for: it ends its jobs first.
+
+    Arguments
+    ---------
+    descriptor : of the lock of the results folder, held for Snakemake too.
+    """
+    command = [sys.executable, "-m", "snakemake", "--snakefile", str(PROJECT / "Snakefile")]
+    command += ["--profile", str(PROJECT / "profiles" / "default"), *words]
+    handed_on = () if descriptor is None else (descriptor,)
+    environment = os.environ | ({} if descriptor is None else {lock.HANDED_ON: str(descriptor)})
+    process = subprocess.Popen(command, env=environment, pass_fds=handed_on)
+
+    def hand_on(number: int, frame: object) -> None:
+        process.send_signal(number)
+
+    before = {number: signal.signal(number, hand_on) for number in (signal.SIGINT, signal.SIGTERM)}
+    try:
+        code = process.wait()
+    finally:
+        for number, handler in before.items():
+            signal.signal(number, handler)
+    return code if code >= 0 else 128 - code
 
 
 def _parser() -> argparse.ArgumentParser:
@@ -86,15 +121,6 @@ def _show(run: Sequence[str]) -> None:
 
     study = study_from(compose_tree(run))
     print(yaml.safe_dump(study.configuration, sort_keys=False, allow_unicode=True))
-
-
-def _snakemake(plan: Path, choices: argparse.Namespace) -> int:
-    command = [sys.executable, "-m", "snakemake", "--snakefile", str(PROJECT / "Snakefile")]
-    command += ["--profile", str(PROJECT / "profiles" / "default"), "--cores", str(choices.cores)]
-    command += ["--dry-run"] * choices.dry_run + ["--forceall"] * choices.force
-    command += [choices.target, "--config", f"plan={plan}", "tell=false"]
-    command += ["verify=true"] * choices.verify
-    return subprocess.run(command, check=False).returncode
 
 
 def cores(text: str) -> str:

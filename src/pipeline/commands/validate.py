@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 import argparse
-import subprocess
-import sys
 from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
@@ -13,11 +11,11 @@ from typing import Any
 from rich.console import Console
 from rich.table import Table
 
-from pipeline.commands.run import cores
+from pipeline.commands.run import cores, snakemake
+from pipeline.commands.workflow import say
 from pipeline.experiments.validation.records import BROKEN, NOT_INSTALLED
 from pipeline.experiments.validation.registry import CHECKS, VALIDATION
-from pipeline.kernel import planfile, store, tables
-from pipeline.kernel.digest import PROJECT
+from pipeline.kernel import lock, planfile, store, tables
 
 STUDY = "validation"
 
@@ -54,10 +52,9 @@ def exit_code(found: Mapping[str, Sequence[Mapping[str, Any]]]) -> int:
 def _made(cores: str) -> int:
     from pipeline.config.planning import make_plan
 
-    plan = planfile.save(make_plan([[f"study={STUDY}"]]), store.RESULTS)
-    command = [sys.executable, "-m", "snakemake", "--snakefile", str(PROJECT / "Snakefile"), "--cores", cores, STUDY]
-    command += ["--profile", str(PROJECT / "profiles" / "default"), "--config", f"plan={plan}"]
-    return subprocess.run(command, check=False).returncode
+    plan = planfile.save(make_plan([[f"study={STUDY}"]]), store.RESULTS, say)
+    with lock.held(store.RESULTS, say) as descriptor:
+        return snakemake([STUDY, "--cores", cores, "--config", f"plan={plan}"], descriptor)
 
 
 def _print(found: Mapping[str, Sequence[Mapping[str, Any]]], all_rows: bool) -> None:

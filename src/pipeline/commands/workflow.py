@@ -2,15 +2,18 @@
 
 from __future__ import annotations
 
+import contextlib
+import io
 import shlex
 import sys
-from collections.abc import Collection, Iterable, Iterator, Mapping
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from importlib import import_module
 from pathlib import Path
-from typing import Any
+from typing import Any, Literal
 
 from pipeline.errors import UserError
-from pipeline.kernel import planfile, publish, store
+from pipeline.kernel import lock, planfile, publish, receipts, store
+from pipeline.kernel.last_resort import last_resort
 from pipeline.kernel.publish import view_folder
 
 MOST_RUNS = 8
@@ -42,6 +45,15 @@ def _made(plan: Mapping[str, Any], targets: Iterable[str]) -> list[tuple[Mapping
 
 CHUNK = "{wildcards.chunk}"
 """How Snakemake's messages name the job."""
+STALE = "~"
+"""Behind the name of a chunk whose receipt is there but would be deleted by a run: to a dry run it is missing."""
+Purpose = Literal["run", "look", "job"]
+# Options of Snakemake with which it makes nothing.
+_LOOKING = (
+    *("dryrun", "lint", "list_target_rules", "list_rules", "print_compilation", "containerize", "generate_unit_tests"),
+    *("dag", "rulegraph", "filegraph", "d3dag", "unlock", "cleanup_metadata", "list_conda_envs", "list_changes"),
+    *("list_input_changes", "list_params_changes", "list_untracked", "summary", "detailed_summary"),
+)
 
 
 class Workflow:
@@ -51,7 +63,7 @@ class Workflow:
         self,
         config: Mapping[str, Any],
         results: Path = store.RESULTS,
-        tidy: bool = True,
+        purpose: Purpose = "run",
         asked: Collection[str] = (),
     ) -> None:
         """Open the plan that `config` names, or make it from its overrides.
@@ -60,7 +72,8 @@ class Workflow:
         ---------
         config : Snakemake's `--config`: `plan=FILE`, or `overrides="..."`, or nothing for the default studies; and
             `tell=false` where whoever called tells the end itself; `verify=true` to read every file made before.
-        tidy : delete receipts that the store no longer honours; not when another process runs the workflow.
+        purpose : `run` takes the folder's lock and deletes receipts that the store no longer honours; `look` shows them
+            as missing and changes nothing; `job` is a part of a run that another process has begun.
         asked : words of the command line; studies that none of its targets needs are not composed.
         """
         self.results = results
@@ -70,12 +83,19 @@ class Workflow:
         for name in sorted({*planfile.targets(self.plan), *planfile.studies()} & set(asked)):
             planfile.target(self.plan, name)
         self.asked = [name for name in self.plan["targets"] if name in asked] or ["all"]
-        if tidy:
-            for line in planfile.warnings(self.plan) if not config.get("plan") else ():
-                _say(line)
-            verify = str(config.get("verify", False)).lower() == "true"
-            store.drop_broken_receipts(results, self.plan["chunks"], verify, _say)
-            publish.drop_outdated(self.plan, results, self.files())
+        self._stale: set[str] = set()
+        if purpose == "job":
+            return
+        for line in planfile.warnings(self.plan) if not config.get("plan") else ():
+            say(line)
+        publish.own(self.plan, results)
+        if purpose == "run":
+            lock.take(results, say)
+        verify = str(config.get("verify", False)).lower() == "true"
+        look = purpose == "look"
+        dropped = receipts.drop_broken(results, self.plan["chunks"], verify, say, look)
+        outdated = publish.drop_outdated(self.plan, results, self.files(), look)
+        self._stale = {*dropped, *outdated} if look else set()
 
     def target(self, name: str) -> list[str]:
         """Return the receipts a target stands for."""
@@ -121,11 +141,15 @@ class Workflow:
 
     def needs(self, chunk: str) -> list[str]:
         """Return the receipts that must be there before a chunk runs."""
-        return [self._receipt(name) for name in self.plan["chunks"][chunk]["needs"]]
+        return [self._receipt(name) for name in self.plan["chunks"][chunk.removesuffix(STALE)]["needs"]]
+
+    def placed(self, path: str, chunk: str) -> list[str]:
+        """Return a file that is asked for by its path; one that would be placed anew, with what is missing of it."""
+        return [path, *([self._receipt(chunk)] if chunk in self._stale else [])]
 
     def receipt(self, step: str) -> str:
         """Return the receipt of a step's chunks, with the wildcard `chunk`."""
-        return str(store.receipt(self.results, step, "{chunk}"))
+        return str(receipts.path_of(self.results, step, "{chunk}"))
 
     def log(self, step: str) -> str:
         """Return the log file of a step's chunks, with the wildcard `chunk`."""
@@ -142,28 +166,55 @@ class Workflow:
         ---------
         again : compute what is there already, and compare.
         """
+        chunk = chunk.removesuffix(STALE)
         words = [sys.executable, "-m", "pipeline.kernel.run", "--plan", str(self.file), "--step", step]
         line = shlex.join([*words, "--chunk", chunk, *(["--again"] if again else [])])
         log = shlex.quote(self.log(step).format(chunk=chunk))
         return f"OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1 {line} > {log} 2>&1"
 
     def _receipt(self, chunk: str) -> str:
-        return str(store.receipt(self.results, self.plan["chunks"][chunk]["step"], chunk))
+        name = f"{chunk}{STALE}" if chunk in self._stale else chunk
+        return str(receipts.path_of(self.results, self.plan["chunks"][chunk]["step"], name))
 
 
-def open_workflow(config: Mapping[str, Any], tidy: bool = True) -> Workflow:
+def open_workflow(config: Mapping[str, Any], main_process: bool = True) -> Workflow:
     """Open the workflow; a person's mistake ends with one message and exit code 2, nothing written.
 
     Which targets are asked for is read from the command line: Snakemake itself says so only after this file is read.
+
+    Arguments
+    ---------
+    main_process : not one that Snakemake has started for a job.
     """
+    words = sys.argv[1:]
+    purpose: Purpose = "job" if not main_process else "look" if only_looks(words) else "run"
     try:
-        return Workflow(config, tidy=tidy, asked=frozenset(sys.argv[1:]))
+        return Workflow(config, purpose=purpose, asked=frozenset(words))
     except UserError as error:
-        print(f"error: {error}", file=sys.stderr)
+        say(f"error: {error}")
         sys.exit(2)
+    except KeyboardInterrupt:
+        say("ended by a signal; the same command goes on where it was")
+        sys.exit(130)
+    except Exception as error:  # the last resort: one line for a person, the rest for whoever mends the program
+        say(f"error: {last_resort(error, store.RESULTS)}")
+        sys.exit(1)
 
 
-def _say(line: str) -> None:
+def only_looks(words: Sequence[str]) -> bool:
+    """Tell whether a command line of Snakemake makes nothing: `-n`, `--list-rules`, `--dag` and their like."""
+    from snakemake.cli import get_argument_parser
+
+    with contextlib.redirect_stderr(io.StringIO()):
+        try:
+            chosen = vars(get_argument_parser().parse_known_args(list(words))[0])
+        except SystemExit:
+            return False
+    return any(chosen.get(name) not in (None, False, [], "") for name in _LOOKING)
+
+
+def say(line: str) -> None:
+    """Tell a person what is going on, beside what was asked for."""
     print(line, file=sys.stderr, flush=True)
 
 
@@ -184,8 +235,8 @@ def _plan_file(config: Mapping[str, Any], results: Path, asked: Collection[str])
 
     overrides = config.get("overrides")
     if overrides:
-        return planfile.save(make_plan(expand(split_overrides(str(overrides))), asked), results)
-    return planfile.save(make_plan([[f"study={name}"] for name in wanted(cards(), asked)], asked), results)
+        return planfile.save(make_plan(expand(split_overrides(str(overrides))), asked), results, say)
+    return planfile.save(make_plan([[f"study={name}"] for name in wanted(cards(), asked)], asked), results, say)
 
 
 def wanted(cards: Mapping[str, Mapping[str, Any]], asked: Collection[str]) -> list[str]:

@@ -3,37 +3,65 @@
 from __future__ import annotations
 
 import json
+import re
 import shlex
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
 from pipeline.kernel import digest, store
 from pipeline.kernel.errors import UserError
+from pipeline.kernel.last_resort import remedy
 
-VERSION = 2
+VERSION = 3
+_DIGEST = re.compile("[0-9a-f]{16}")
 
 
-def save(plan: Mapping[str, Any], results: Path) -> Path:
-    """Write the plan under its digest, unless it is there as it should be; return the file."""
-    path = results / "plan" / f"{digest.of_value(plan)[:16]}.json"
+def save(plan: Mapping[str, Any], results: Path, say: Callable[[str], None] = lambda line: None) -> Path:
+    """Write the plan under its digest, unless it is there as it should be; return the file.
+
+    Arguments
+    ---------
+    say : takes a line where one was there that had been cut short or edited.
+
+    Raises
+    ------
+    UserError : it cannot be written.
+    """
     text = json.dumps(plan, indent=1, ensure_ascii=False, allow_nan=False)
-    # One that was cut short or edited is written anew.
-    if not path.is_file() or path.read_bytes() != text.encode():
+    found = digest.of_value(json.loads(text))
+    text = json.dumps({"digest": found, **plan}, indent=1, ensure_ascii=False, allow_nan=False)
+    path = results / "plan" / f"{found[:16]}.json"
+    try:
+        store.own(results, path)
+        there = path.is_file() and not path.is_symlink()
+        if there and path.read_bytes() == text.encode():
+            return path
+        if there or path.is_symlink() or path.exists():
+            say(f"plan {path}: changed since it was made; made anew")
+            store.remove(path)
         store.write_text(path, text)
+    except OSError as error:
+        raise UserError(f"plan {remedy(error, path) or f'{path}: {error.strerror}'}") from None
     return path
 
 
 def load(path: Path) -> dict[str, Any]:
-    """Read a plan; raise `UserError` where there is none."""
+    """Read a plan; raise `UserError` where there is none, or it is not as it was made."""
+    anew = "remove it and make it anew with --config overrides=..."
     try:
-        plan: dict[str, Any] = json.loads(path.read_text())
+        plan: dict[str, Any] = json.loads(path.read_text(encoding="utf-8"))
     except FileNotFoundError:
         raise UserError(f"plan {path}: no such file") from None
-    except ValueError as error:
-        raise UserError(f"plan {path}: not JSON ({error}); make it anew with --config overrides=...") from None
+    except OSError as error:
+        raise UserError(f"plan {path}: cannot be read ({error.strerror})") from None
+    except (ValueError, RecursionError) as error:
+        raise UserError(f"plan {path}: not JSON ({error}); {anew}") from None
     if not isinstance(plan, dict) or plan.get("version") != VERSION or not {"runs", "nodes", "chunks"} <= set(plan):
-        raise UserError(f"plan {path}: not a plan of version {VERSION}; make it anew with --config overrides=...")
+        raise UserError(f"plan {path}: not a plan of version {VERSION}; {anew}")
+    said = plan.pop("digest", None)
+    if digest.of_value(plan) != said or (_DIGEST.fullmatch(path.stem) and not said.startswith(path.stem)):
+        raise UserError(f"plan {path}: changed since it was made; {anew}")
     return plan
 
 

@@ -10,8 +10,11 @@ from importlib import metadata
 from pathlib import Path
 from typing import Any
 
-from pipeline.kernel import digest, store
+from pipeline.kernel import digest, receipts, store
 from pipeline.kernel.planfile import command
+
+FILES = "manifest.files.json"
+"""The manifest of files that were asked for by their paths; many jobs add to it."""
 
 VERSIONS_OF = (
     "charge-pipeline",
@@ -36,10 +39,32 @@ def publish(plan: Mapping[str, Any], name: str, results: Path) -> None:
         run = plan["runs"][index]
         if "/" in chunk["part"]:
             manifest = publish_file(run, results, chunk["part"])
+            shown = [entry for entry in _read(results, manifest)["artefacts"] if entry["path"] == chunk["part"]]
         else:
             manifest = publish_run(run, results, chunk["part"], chunk["steps"])
-        views[manifest.as_posix()] = run["digest"]
-    store.write_receipt(results, "publish", name, {}, views)
+            shown = _read(results, manifest)["artefacts"]
+        place = manifest.relative_to(results.parent).as_posix()
+        views[place] = receipts.view(_read(results, manifest), shown, whole=manifest.name != FILES)
+    receipts.write(results, "publish", name, {}, views)
+
+
+def own(plan: Mapping[str, Any], results: Path) -> None:
+    """Make sure that what a plan writes is reached through folders of its own.
+
+    Raises
+    ------
+    UserError : a symbolic link, or a file, is in the way.
+    """
+    for name in ("plan", "store", "receipts", "logs", "benchmarks", "quarantine"):
+        store.own(results, results / name / "file")
+        for step in plan["steps"] if name != "plan" else ():
+            store.own(results, results / name / step / "file")
+    for run in plan["runs"]:
+        for room in ("results", "reports"):
+            root = results if room == "results" else results.parent / room
+            folders = {Path(item["place"]).parent for item in run["view"] if item["room"] == room}
+            for folder in sorted(folders | {Path()}):
+                store.own(root, view_folder(results, run, room) / folder / "file")
 
 
 def publish_run(run: Mapping[str, Any], results: Path, part: str, steps: Collection[str]) -> Path:
@@ -53,8 +78,10 @@ def publish_run(run: Mapping[str, Any], results: Path, part: str, steps: Collect
     _drop_other_runs(results, folder, run["digest"])
     manifest = folder / ("manifest.json" if part == "all" else f"manifest.{part}.json")
     shown = []
+    for step, key in dict.fromkeys((item["step"], item["key"]) for item in run["view"] if item["step"] in steps):
+        store.whole(results, step, key, f"{run['study']}/{run['name']}")
     for path, entry in _places(run, results, steps):
-        store.link(store.artefact(results, entry["step"], entry["key"]) / entry["file"], path)
+        _link(results, entry, path)
         shown.append(entry | {"path": path.relative_to(results.parent).as_posix()})
     store.write_json(manifest, _manifest(run, shown))
     return manifest
@@ -64,64 +91,80 @@ def publish_file(run: Mapping[str, Any], results: Path, path: str) -> Path:
     """Link one file of a run to its readable place, and list it in `manifest.files.json`, which is returned."""
     folder = view_folder(results, run, "results")
     _drop_other_runs(results, folder, run["digest"])
-    manifest = folder / "manifest.files.json"
-    shown = _read(manifest)["artefacts"] if manifest.is_file() else []
+    manifest = folder / FILES
+    shown = _read(results, manifest)["artefacts"]
     target = results.parent / path
     items = [item for item in run["view"] if target.is_relative_to(view_folder(results, run, item["room"]))]
     items = [item for item in items if item["file"] == "*" or target.as_posix().endswith(f"/{item['place']}")]
     for item in items:
-        if not (store.artefact(results, item["step"], item["key"]) / store.CONTENTS).is_file():
+        if not store.artefact(results, item["step"], item["key"]).is_dir():
             continue
+        store.whole(results, item["step"], item["key"], path)
         for place, entry in _shown(run, results, item):
             if place == target:
-                store.link(store.artefact(results, entry["step"], entry["key"]) / entry["file"], place)
+                _link(results, entry, place)
                 shown = [one for one in shown if one["path"] != path] + [entry | {"path": path}]
     store.write_json(manifest, _manifest(run, shown))
     return manifest
 
 
-def drop_outdated(plan: Mapping[str, Any], results: Path, files: Mapping[str, str]) -> None:
-    """Remove files asked for by their paths that are not what the plan's run would put there.
+def drop_outdated(plan: Mapping[str, Any], results: Path, files: Mapping[str, str], look: bool = False) -> list[str]:
+    """Remove files asked for by their paths that are not what the plan's run would put there; return their chunks.
 
     Arguments
     ---------
     files : path -> the chunk that puts the file into its place.
+    look : tell only, remove nothing.
     """
+    outdated = []
     for path, chunk in files.items():
         run = plan["runs"][plan["chunks"][chunk]["runs"][0]]
         target = results.parent / path
         if target.is_file() and digest.of_file(target) not in _listed(run, results, path):
-            target.unlink()
+            outdated.append(chunk)
+            if not look:
+                target.unlink()
+    return outdated
 
 
 def _listed(run: Mapping[str, Any], results: Path, path: str) -> set[str]:
     """Return the digests under which the manifests of a run list a path."""
     manifests = view_folder(results, run, "results").glob("manifest*.json")
-    shown = [found for manifest in manifests if (found := _read(manifest))["digest"] == run["digest"]]
+    shown = [found for manifest in manifests if (found := _read(results, manifest))["digest"] == run["digest"]]
     return {entry["sha256"] for one in shown for entry in one["artefacts"] if entry["path"] == path}
 
 
 def _drop_other_runs(results: Path, folder: Path, run_digest: str) -> None:
     """Remove what another configuration published to the same place, whole or in part, and its manifests."""
     for manifest in folder.glob("manifest*.json"):
-        shown = _read(manifest)
+        shown = _read(results, manifest)
         if shown["digest"] != run_digest:
             # The manifest first: without it nothing counts as published, whatever happens next.
-            manifest.unlink()
-            for entry in shown["artefacts"]:
-                (results.parent / entry["path"]).unlink(missing_ok=True)
+            store.remove(manifest)
+            for path in (results.parent / entry["path"] for entry in shown["artefacts"]):
+                if not path.is_dir():
+                    path.unlink(missing_ok=True)
 
 
-def _read(manifest: Path) -> dict[str, Any]:
-    """Return a manifest; one that is damaged lists nothing and belongs to no run."""
+def _link(results: Path, entry: Mapping[str, Any], path: Path) -> None:
+    """Put a file of an artefact into its readable place; a folder that stands there is moved away."""
+    store.own(results.parent / path.relative_to(results.parent).parts[0], path)
+    if path.is_dir() and not path.is_symlink():
+        store.quarantine(results, path)
+    store.link(store.artefact(results, entry["step"], entry["key"]) / entry["file"], path)
+
+
+def _read(results: Path, manifest: Path) -> dict[str, Any]:
+    """Return a manifest; one that is damaged, or lists what is not of these folders, belongs to no run."""
     try:
-        shown = json.loads(manifest.read_text())
-        return {
-            "digest": shown["digest"],
-            "artefacts": [{**entry, "path": entry["path"]} for entry in shown["artefacts"]],
-        }
-    except (OSError, ValueError, KeyError, TypeError):
-        return {"digest": None, "artefacts": []}
+        shown: dict[str, Any] = json.loads(manifest.read_text(encoding="utf-8"))
+        mine = manifest.parent.parts[-2:]
+        paths = [entry["path"] for entry in shown["artefacts"]]
+        if shown["digest"] and all(store.inside(results, one) and Path(one).parts[1:3] == mine for one in paths):
+            return shown
+    except (OSError, ValueError, KeyError, TypeError, RecursionError):
+        pass
+    return {"digest": None, "artefacts": []}
 
 
 def view_folder(results: Path, run: Mapping[str, Any], room: str) -> Path:

@@ -1,8 +1,8 @@
 """The keyed store under `results/`: what is written, whole or not at all, and what is still valid.
 
-`results/store/<step>/<key>/` holds one artefact: its files, read-only, and `contents.json` with their sha256.
-`results/receipts/<step>/<chunk>.json` says what a job made. This is the only module that writes under `results/`
-and `reports/`.
+`results/store/<step>/<key>/` holds one artefact: its files, read-only, and `contents.json` with their sha256. This is
+the only module that writes artefacts, texts and links under `results/` and `reports/`. What is being written has a
+name with a dot in front and the number of its process behind: `.<name>.<letters>.<process>`.
 """
 
 from __future__ import annotations
@@ -10,16 +10,20 @@ from __future__ import annotations
 import contextlib
 import json
 import os
+import re
 import shutil
 import tempfile
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
 from pipeline.kernel import digest
+from pipeline.kernel.errors import UserError
 
 CONTENTS = "contents.json"
 RESULTS = Path("results")
+REPORTS = "reports"
+_TEMPORARY = re.compile(r"\..+\.(?:(?P<process>\d+)|[a-z0-9_]{8})")
 
 
 class StoreError(RuntimeError):
@@ -31,20 +35,31 @@ def artefact(results: Path, step: str, key: str) -> Path:
     return results / "store" / step / key
 
 
-def receipt(results: Path, step: str, chunk: str) -> Path:
-    """Return the file that says what a job made."""
-    return results / "receipts" / step / f"{chunk}.json"
-
-
 def contents(folder: Path) -> dict[str, str]:
     """Return file name -> sha256 of an artefact, as sealed; raise `StoreError` where it is not there."""
     try:
-        listed: dict[str, str] = json.loads((folder / CONTENTS).read_text())
-    except (OSError, ValueError) as error:
+        listed: dict[str, str] = json.loads((folder / CONTENTS).read_text(encoding="utf-8"))
+    except (OSError, ValueError, RecursionError) as error:
         raise StoreError(f"{folder}: no sealed artefact ({error})") from error
-    if not isinstance(listed, dict):
+    if not isinstance(listed, dict) or not all(isinstance(sha256, str) for sha256 in listed.values()):
         raise StoreError(f"{folder}: no sealed artefact ({CONTENTS} is no list of files)")
     return listed
+
+
+def whole(results: Path, step: str, key: str, use: str) -> Path:
+    """Return the folder of an artefact that is what was sealed, for whoever builds on it.
+
+    Raises
+    ------
+    StoreError : it is not; the folder goes to the quarantine, so that the next run makes it again.
+    """
+    folder = artefact(results, step, key)
+    fault = damage(folder)
+    if fault is None:
+        return folder
+    away = quarantine(results, folder)
+    moved = f" (moved to {away})" if away else ""
+    raise StoreError(f"{use}: {fault}{moved}; run the same command again, which makes it anew")
 
 
 def damage(folder: Path) -> str | None:
@@ -79,7 +94,7 @@ def make(results: Path, step: str, key: str, write: Callable[[Path], None], agai
     if fault is None and not again:
         return contents(folder)
     folder.parent.mkdir(parents=True, exist_ok=True)
-    _remove_abandoned(folder)
+    _remove_abandoned(folder.parent)
     temporary = Path(tempfile.mkdtemp(prefix=f".{key}.", suffix=f".{os.getpid()}", dir=folder.parent))
     try:
         write(temporary)
@@ -97,23 +112,20 @@ def make(results: Path, step: str, key: str, write: Callable[[Path], None], agai
 def found_value(folder: Path, name: str) -> Any:
     """Return a value that a step found, from `found.json` of its artefact: a number, a list, a record as plain data."""
     try:
-        value = json.loads((folder / "found.json").read_text())[name]
-    except (OSError, KeyError) as error:
+        value = json.loads((folder / "found.json").read_text(encoding="utf-8"))[name]
+    except (OSError, ValueError, KeyError) as error:
         raise StoreError(f"{folder}: found no {name!r} ({error})") from error
     return value if isinstance(value, dict | list) else float(value)
 
 
-def write_receipt(
-    results: Path, step: str, chunk: str, artefacts: Mapping[str, Mapping[str, str]], views: Mapping[str, str]
-) -> None:
-    """Write what a job made: key -> (file -> sha256), and for published views manifest -> digest of the run."""
-    made = {"step": step, "artefacts": artefacts, "views": views}
-    write_json(receipt(results, step, chunk), made | {"stats": _stats(_sealed(results, made))})
-
-
 def remove(folder: Path) -> None:
-    """Delete an artefact, read-only files included."""
+    """Delete an artefact, read-only files included, or a file that lies in its place."""
+    if folder.is_symlink() or not folder.is_dir():
+        folder.unlink(missing_ok=True)
+        return
     for path in folder.rglob("*"):
+        if path.is_symlink():
+            continue
         with contextlib.suppress(FileNotFoundError):
             path.chmod(0o755 if path.is_dir() else 0o644)
     shutil.rmtree(folder)
@@ -122,7 +134,7 @@ def remove(folder: Path) -> None:
 def write_text(path: Path, text: str) -> None:
     """Write a file whole or not at all."""
     path.parent.mkdir(parents=True, exist_ok=True)
-    handle, name = tempfile.mkstemp(prefix=f".{path.name}.", dir=path.parent)
+    handle, name = tempfile.mkstemp(prefix=f".{path.name}.", suffix=f".{os.getpid()}", dir=path.parent)
     temporary = Path(name)
     try:
         with os.fdopen(handle, "w", encoding="utf-8") as file:
@@ -155,103 +167,51 @@ def link(source: Path, target: Path) -> None:
     temporary.unlink(missing_ok=True)
 
 
-def drop_broken_receipts(
-    results: Path,
-    chunks: Mapping[str, Mapping[str, Any]],
-    verify: bool = False,
-    say: Callable[[str], None] = lambda line: None,
-) -> list[str]:
-    """Delete receipts whose artefacts are gone or whose view shows another run, and of all that was made from them.
-
-    What changed since it was sealed goes to `results/quarantine/`. Size, time and inode are looked at; the content
-    only where they differ from what the receipt keeps.
-
-    Jobs that run again for want of a receipt compute only what is not in the store.
-
-    Arguments
-    ---------
-    chunks : chunk -> its step and the chunks it needs, those before it.
-    verify : read the content of every file.
-    say : takes one line for each file that changed.
-
-    Returns
-    -------
-    The names of the chunks whose receipts were deleted.
-    """
-    dropped: list[str] = []
-    for name, chunk in chunks.items():
-        path = receipt(results, chunk["step"], name)
-        if path.is_file() and (not _honoured(results, path, verify, say) or set(chunk["needs"]) & set(dropped)):
-            path.unlink(missing_ok=True)
-            dropped.append(name)
-    return dropped
-
-
-def _honoured(results: Path, path: Path, verify: bool, say: Callable[[str], None]) -> bool:
-    try:
-        made = json.loads(path.read_text())
-        sealed = all((artefact(results, made["step"], key) / CONTENTS).is_file() for key in made["artefacts"])
-        shown = all(_shows(Path(view), run) for view, run in made["views"].items())
-        return sealed and shown and _unchanged(results, path, made, verify, say)
-    except (OSError, ValueError, KeyError, TypeError, AttributeError, IndexError):
-        return False
-
-
-def _unchanged(results: Path, path: Path, made: Mapping[str, Any], verify: bool, say: Callable[[str], None]) -> bool:
-    """Tell whether the files of a receipt are what was sealed; quarantine those that are not."""
-    files = _sealed(results, made)
-    now, kept = _stats(files), made.get("stats", {})
-    suspects = [name for name in files if verify or now.get(name) != kept.get(name)]
-    damaged = [name for name in suspects if name not in now or digest.of_file(Path(name)) != files[name]]
-    for name in damaged:
-        away = _quarantine(results, Path(name))
-        say(f"{name} changed since it was sealed: {'moved to ' + str(away) if away else 'missing'}, made again")
-    if not damaged and now != kept:
-        # Same content under another time or inode: kept anew, and Snakemake need not see a younger receipt.
-        times = path.stat()
-        write_json(path, {**made, "stats": now})
-        os.utime(path, ns=(times.st_atime_ns, times.st_mtime_ns))
-    return not damaged
-
-
-def _sealed(results: Path, made: Mapping[str, Any]) -> dict[str, str]:
-    """Return file -> sha256 of all that a receipt stands for, in the store and in the views."""
-    files = {
-        str(artefact(results, made["step"], key) / name): sha256
-        for key, listed in made["artefacts"].items()
-        for name, sha256 in listed.items()
-    }
-    for view in map(Path, made["views"]):
-        for entry in json.loads(view.read_text())["artefacts"]:
-            files[str(view.parents[3] / entry["path"])] = entry["sha256"]
-    return files
-
-
-def _stats(files: Mapping[str, str]) -> dict[str, list[int]]:
-    """Return file -> size, time of change [ns], inode; without those that are missing."""
-    found = {}
-    for name in files:
-        with contextlib.suppress(FileNotFoundError):
-            stat = Path(name).stat()
-            found[name] = [stat.st_size, stat.st_mtime_ns, stat.st_ino]
-    return found
-
-
-def _quarantine(results: Path, path: Path) -> Path | None:
-    """Move a damaged file out of the way; return where it lies now, None where there was none."""
-    if not path.is_file():
+def quarantine(results: Path, path: Path) -> Path | None:
+    """Move what is damaged out of the way; return where it lies now, None where there was nothing."""
+    if not (path.exists() or path.is_symlink()):
         return None
     folder = results / "quarantine"
     folder.mkdir(parents=True, exist_ok=True)
     away = Path(tempfile.mkdtemp(prefix=f"{path.parent.name[:12]}-", dir=folder)) / path.name
-    path.replace(away)
+    try:
+        path.replace(away)
+    except FileNotFoundError:
+        return None
     return away
 
 
-def _shows(manifest: Path, run: str) -> bool:
-    shown = json.loads(manifest.read_text())
-    root = manifest.parents[3]
-    return shown["digest"] == run and all((root / entry["path"]).is_file() for entry in shown["artefacts"])
+def inside(results: Path, place: str) -> bool:
+    """Tell whether a path, from beside the results folder, stays in it or in the reports."""
+    parts = Path(place).parts
+    return len(parts) > 1 and parts[0] in (results.name, REPORTS) and ".." not in parts
+
+
+def own(root: Path, path: Path) -> None:
+    """Make sure that a file or folder below a root is reached through folders of its own.
+
+    Raises
+    ------
+    UserError : a symbolic link, or a file, stands on the way; nothing is written through it.
+    """
+    for part in reversed(path.relative_to(root).parents[:-1]):
+        folder = root / part
+        if folder.is_symlink():
+            raise UserError(
+                f"{folder}: a symbolic link (to {folder.readlink()}); what is written stays in {root}: remove the "
+                "link and run again, or make the whole of it a link"
+            )
+        if folder.exists() and not folder.is_dir():
+            raise UserError(f"{folder}: a file where a folder belongs; move it away and run again")
+
+
+def abandoned(results: Path) -> Iterator[Path]:
+    """Yield the temporary files and folders under `results/` and `reports/` that no living process owns."""
+    for root in (results, results.parent / REPORTS):
+        for base, folders, files in os.walk(root):
+            temporary = [name for name in (*folders, *files) if _is_abandoned(name)]
+            folders[:] = [name for name in folders if name not in temporary]
+            yield from (Path(base) / name for name in temporary)
 
 
 def _seal(folder: Path) -> dict[str, str]:
@@ -259,7 +219,7 @@ def _seal(folder: Path) -> dict[str, str]:
     if not files:
         raise StoreError(f"{folder}: the step wrote nothing")
     listed = {path.relative_to(folder).as_posix(): digest.of_file(path) for path in files}
-    (folder / CONTENTS).write_text(json.dumps(listed, indent=1, sort_keys=True) + "\n")
+    (folder / CONTENTS).write_text(json.dumps(listed, indent=1, sort_keys=True) + "\n", encoding="utf-8")
     for path in [*files, folder / CONTENTS]:
         path.chmod(0o444)
         _sync(path)
@@ -288,16 +248,23 @@ def _compare(folder: Path, before: Mapping[str, str], now: Mapping[str, str]) ->
 
 
 def _remove_abandoned(folder: Path) -> None:
-    """Remove what a killed job left of the same artefact."""
-    for path in folder.parent.glob(f".{folder.name}.*"):
-        if not _alive(path.suffix):
+    """Remove what killed jobs left in the folder of a step."""
+    for path in folder.glob(".*"):
+        if _is_abandoned(path.name):
             remove(path)
 
 
-def _alive(suffix: str) -> bool:
+def _is_abandoned(name: str) -> bool:
+    """Tell whether a name is that of something being written by a process that is no more."""
+    found = _TEMPORARY.fullmatch(name)
+    # Without a process: of the days when temporary names had none.
+    return found is not None and not (found["process"] and _alive(int(found["process"])))
+
+
+def _alive(process: int) -> bool:
     try:
-        os.kill(int(suffix.lstrip(".")), 0)
-    except (ValueError, ProcessLookupError):
+        os.kill(process, 0)
+    except (ProcessLookupError, OverflowError):
         return False
     except PermissionError:
         return True
