@@ -1,17 +1,44 @@
-"""The base of every parameter record, frozen and strict about its keys; and the record of a person's own file."""
+"""The base of every parameter record, frozen and strict about keys and kinds; the record of a person's own file."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Annotated, Literal, TypeAlias
+from typing import Annotated, Any, Literal, TypeAlias
 
-from pydantic import BaseModel, ConfigDict, Field, field_validator
+from pydantic import BaseModel, ConfigDict, Field, GetCoreSchemaHandler, field_validator
+from pydantic_core import CoreSchema
+
+
+def _exact(schema: Any) -> Any:
+    if isinstance(schema, list):
+        return [_exact(part) for part in schema]
+    if isinstance(schema, tuple):
+        return tuple(_exact(part) for part in schema)
+    if not isinstance(schema, dict):
+        return schema
+    kind = schema.get("type")
+    if kind in ("float", "bool"):
+        return {**schema, "strict": True}
+    if kind == "int" and not schema.get("strict"):
+        whole = {"type": "no-info", "function": _whole}
+        return {"type": "function-before", "function": whole, "schema": {**schema, "strict": True}}
+    return {key: part if key in ("metadata", "cls", "serialization") else _exact(part) for key, part in schema.items()}
+
+
+def _whole(value: Any) -> Any:
+    """Return a float without a fraction as the integer that it is; everything else as it is."""
+    return int(value) if isinstance(value, float) and value.is_integer() else value
 
 
 class Record(BaseModel):
-    """A frozen record; an unknown key, NaN or infinity is refused."""
+    """A frozen record; an unknown key, NaN or infinity is refused, and a word or a truth value as a number."""
 
     model_config = ConfigDict(extra="forbid", frozen=True, allow_inf_nan=False, populate_by_name=True)
+
+    @classmethod
+    def __get_pydantic_core_schema__(cls, source: Any, handler: GetCoreSchemaHandler) -> CoreSchema:
+        """Return the schema with every number and truth value in it taken as it is, none made of another kind."""
+        return _exact(handler(source))  # type: ignore[no-any-return]
 
 
 class Reference(Record):

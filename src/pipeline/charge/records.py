@@ -39,7 +39,10 @@ class Phase(Record):
             )
         if len(found) != 1:
             raise ValueError(f"a phase has one waveform, found {found or 'none'}; known are: {', '.join(WAVEFORMS)}")
-        given, kind = data[found[0]] or {}, WAVEFORMS[found[0]]
+        given, kind = data[found[0]], WAVEFORMS[found[0]]
+        given = {} if given is None else given
+        if not isinstance(given, dict):
+            raise ValueError(f"{found[0]} is {given!r}; allowed is a mapping, {{{', '.join(kind.model_fields)}}}")
         unknown = [key for key in given if key not in kind.model_fields]
         if unknown:
             near = best_matches(unknown[0], kind.model_fields)

@@ -5,13 +5,13 @@
 
 from __future__ import annotations
 
+import math
 import warnings
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
-import yaml
 from hydra import version
 from hydra._internal.config_loader_impl import ConfigLoaderImpl
 from hydra._internal.core_plugins.basic_sweeper import BasicSweeper
@@ -21,22 +21,22 @@ from hydra._internal.utils import create_config_search_path
 from hydra.core.config_loader import ConfigLoader
 from hydra.core.global_hydra import GlobalHydra
 from hydra.core.override_parser.overrides_parser import OverridesParser
-from hydra.core.override_parser.types import Override
+from hydra.core.override_parser.types import ChoiceSweep, Override, RangeSweep
 from hydra.core.plugins import Plugins
-from hydra.plugins.config_source import ConfigLoadError, ConfigResult, ConfigSource
+from hydra.grammar.gen.OverrideLexer import InputStream, OverrideLexer  # type: ignore[attr-defined]
+from hydra.plugins.config_source import ConfigResult, ConfigSource
 from hydra.types import RunMode
 from omegaconf import OmegaConf
-from omegaconf._utils import get_yaml_loader
+from omegaconf.basecontainer import BaseContainer
 
-
-class YamlLoader(yaml.CSafeLoader, get_yaml_loader()):  # type: ignore[misc]
-    """OmegaConf's reading of YAML on libyaml's parser, ten times as fast as Python's."""
+UNCOUNTED = 10**18
 
 
 class DefaultsLists(FileConfigSource):
     """A source of configuration files from which Hydra reads their defaults lists, and nothing else."""
 
     content: Callable[[Path], Mapping[str, Any]]
+    text: Callable[[Path], str]
 
     @staticmethod
     def scheme() -> str:
@@ -46,33 +46,46 @@ class DefaultsLists(FileConfigSource):
     def load_config(self, config_path: str) -> ConfigResult:
         """Return a file's defaults list, with the header that names its package."""
         path = Path(self.path, self._normalize_file_name(config_path))
-        if not path.is_file():
-            raise ConfigLoadError(f"Config not found : {path}")
-        header = ConfigSource._get_header_dict(path.read_text(encoding="utf-8")[:512])
         defaults = {key: value for key, value in type(self).content(path).items() if key == "defaults"}
+        header = ConfigSource._get_header_dict(type(self).text(path)[:512])
         return ConfigResult(
             config=OmegaConf.create(defaults), path=self.full_path(), provider=self.provider, header=header
         )
 
 
 @contextmanager
-def opened(conf: Path, content: Callable[[Path], Mapping[str, Any]]) -> Iterator[ConfigLoader]:
+def opened(
+    conf: Path, content: Callable[[Path], Mapping[str, Any]], text: Callable[[Path], str]
+) -> Iterator[ConfigLoader]:
     """Open Hydra's global state for a folder of groups, and leave it as it was found.
 
     Arguments
     ---------
     conf : the folder.
-    content : reads a YAML file.
+    content, text : read a YAML file.
     """
     GlobalHydra.instance().clear()
     version.setbase("1.3")
     DefaultsLists.content = staticmethod(content)
+    DefaultsLists.text = staticmethod(text)
     Plugins.instance().register(DefaultsLists)
     Hydra.create_main_hydra2("pipeline", create_config_search_path(f"defaults://{conf}"))
     try:
-        yield GlobalHydra.instance().config_loader()
+        with _without_resolvers():
+            yield GlobalHydra.instance().config_loader()
     finally:
         GlobalHydra.instance().clear()
+
+
+@contextmanager
+def _without_resolvers() -> Iterator[None]:
+    """Take away all that `${name:...}` may call: the environment, the clock, Hydra's own state."""
+    kept = BaseContainer._resolvers
+    BaseContainer._resolvers = {}
+    try:
+        yield
+    finally:
+        BaseContainer._resolvers = kept
 
 
 def files_of(loader: ConfigLoader, words: Sequence[str]) -> list[tuple[str, str]]:
@@ -83,14 +96,46 @@ def files_of(loader: ConfigLoader, words: Sequence[str]) -> list[tuple[str, str]
     return [(one.package or "", one.config_path) for one in defaults if one.config_path is not None]
 
 
-def overridden(tree: Mapping[str, Any], words: Sequence[Override]) -> dict[str, Any]:
-    """Return a plain tree with some values overridden and its interpolations resolved, as Hydra would do it."""
+def overridden(
+    tree: Mapping[str, Any], words: Sequence[Override], check: Callable[[dict[str, Any]], None]
+) -> dict[str, Any]:
+    """Return a plain tree with some values overridden and its interpolations resolved, as Hydra would do it.
+
+    Arguments
+    ---------
+    check : sees the tree with its interpolations as they are written; raises where they are not to be resolved.
+    """
     config = OmegaConf.create(dict(tree))
     OmegaConf.set_struct(config, True)
-    ConfigLoaderImpl._apply_overrides_to_config(list(words), config)
-    OmegaConf.set_struct(config, False)
-    done: Any = OmegaConf.to_container(config, resolve=True, throw_on_missing=True)
+    with _without_resolvers():
+        ConfigLoaderImpl._apply_overrides_to_config(list(words), config)
+        OmegaConf.set_struct(config, False)
+        written: Any = OmegaConf.to_container(config, resolve=False)
+        check(dict(written))
+        done: Any = OmegaConf.to_container(config, resolve=True, throw_on_missing=True)
     return dict(done)
+
+
+def spelled(word: str) -> Iterator[str]:
+    """Yield the numbers and truth values of an override as they are written in it."""
+    lexer = OverrideLexer(InputStream(word))
+    lexer.removeErrorListeners()
+    kinds = (OverrideLexer.FLOAT, OverrideLexer.INT, OverrideLexer.BOOL)
+    value = False
+    for token in lexer.getAllTokens():
+        if value and token.type in kinds:
+            yield token.text
+        value = value or token.type == OverrideLexer.EQUAL
+
+
+def runs_of(word: Override) -> int:
+    """Return how many runs an override makes, counted without making them."""
+    swept = word.value()
+    if isinstance(swept, RangeSweep):
+        start, stop, step = (float(part or 0) for part in (swept.start, swept.stop, swept.step))
+        count = (stop - start) / step if step else math.inf
+        return max(0, math.ceil(count)) if abs(count) < UNCOUNTED else UNCOUNTED
+    return len(swept.list) if isinstance(swept, ChoiceSweep) else 1
 
 
 def expanded(loader: ConfigLoader, words: Sequence[str]) -> list[list[str]]:

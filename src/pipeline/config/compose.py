@@ -2,23 +2,28 @@
 
 from __future__ import annotations
 
+import math
 import re
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from copy import deepcopy
 from dataclasses import dataclass
 from functools import lru_cache
 from pathlib import Path
 from typing import Any
 
-from hydra.core.override_parser.overrides_parser import OverridesParser
 from hydra.core.override_parser.types import Override
 from hydra.errors import ConfigCompositionException, HydraException, MissingConfigException
 from omegaconf.errors import OmegaConfBaseException
 
-from pipeline.config import adapter
+from pipeline.config import adapter, interpolation
+from pipeline.config.choices import Word, check_defaults, check_names, chooses, parse, told
+from pipeline.config.choices import options as _options
 from pipeline.config.inheritance import CONF, Layer, Stamp, content, merge, stamp
+from pipeline.config.yaml_file import shown, text
 from pipeline.errors import UserError, best_matches
 
+MOST_RUNS = 10_000
+"""What a sweep may come to."""
 _INTERPOLATED = re.compile(r"\$\{\s*([A-Za-z_]\w*)?")
 
 
@@ -32,18 +37,20 @@ class Choice:
     def with_values(self, words: Sequence[Override]) -> dict[str, Any]:
         """Return the tree with some values overridden and interpolations resolved, as Hydra would do it."""
         moved = self._moved(words)
-        done = adapter.overridden({key: value for key, value in self.tree.items() if key in moved}, words)
+        open_ = {key: value for key, value in self.tree.items() if key in moved}
+        done = adapter.overridden(open_, words, interpolation.check)
         kept = {key: deepcopy(value) for key, value in self.tree.items() if key not in moved}
         both: dict[str, Any] = kept | done
         return {key: both[key] for key in self.tree if key in both} | both
 
     def _moved(self, words: Sequence[Override]) -> set[str]:
         """Return the sections that overrides and interpolations touch; only they need OmegaConf, which is slow."""
-        if any("${" in str(word.input_line) for word in words):
+        if any("${" in str(word.value()) for word in words):
             return set(self.tree)
         moved = {word.key_or_group.split(".")[0] for word in words}
         for key, value in self.tree.items():
-            named = set(_INTERPOLATED.findall(repr(value)))
+            shown = repr(value)
+            named = set(_INTERPOLATED.findall(shown)) | ({key} if interpolation.MISSING in shown else set())
             moved |= {key, *named} if named else set()
         return moved
 
@@ -60,7 +67,8 @@ def choose(words: tuple[str, ...], conf: Path, state: Stamp) -> Choice:
     conf : folder of the groups.
     state : of its files, with which a kept choice ends.
     """
-    with adapter.opened(conf, content) as loader:
+    check_defaults(words, conf)
+    with adapter.opened(conf, content, text) as loader:
         files = adapter.files_of(loader, words)
     layers = tuple(
         Layer(tuple(filter(None, package.split("."))), conf / f"{path}.yaml")
@@ -93,11 +101,16 @@ class Composed:
                 return word
         return None
 
+    def touched(self, path: str) -> bool:
+        """Tell whether an override sets something at a key path or below it."""
+        keys = [word.split("=", 1)[0].lstrip("+~").partition("@") for word in self.overrides]
+        return any(f"{package or group}.".startswith(f"{path}.") for group, _, package in keys)
+
     def origin(self, path: str) -> str:
         """Return where a key path was set: an override, or a YAML file with the line."""
         word = self.overridden(path)
         if word is not None:
-            return f"override {word}"
+            return f"override {told(word)}"
         return self.setters(path)[-1].line(path.split("."))
 
     def setters(self, path: str) -> list[Layer]:
@@ -125,51 +138,80 @@ def compose_tree(overrides: Sequence[str], conf: Path = CONF) -> Composed:
     UserError : unknown group, option or key, or YAML that cannot be read.
     """
     words = tuple(overrides)
-    _check_syntax(words)
+    parse(words)
     return _compose([*_mode_words(words, conf), *_panel_words(words), *words], words, conf)
 
 
-def _compose(words: Sequence[str], told: tuple[str, ...], conf: Path) -> Composed:
-    parsed = OverridesParser.create().parse_overrides(list(words))
+def _compose(words: Sequence[str], typed: tuple[str, ...], conf: Path) -> Composed:
+    parsed = parse(words)
     sweep = next((word for word in parsed if word.is_sweep_override()), None)
     if sweep is not None:
         raise UserError(f"override {sweep.input_line}: several values make a sweep, not one run; give one of them")
-    empty = next((word for word in parsed if _chooses(word, conf) and word.value() is None), None)
-    if empty is not None and not empty.is_delete():
-        raise UserError(f"override {empty.input_line}: a group is left out with ~{empty.get_key_element()}")
-    choices = [str(word.input_line) for word in parsed if _chooses(word, conf)]
-    values = [word for word in parsed if not _chooses(word, conf)]
+    choosing = {word.input_line: chooses(word, conf) for word in parsed}
+    choices = [str(word.input_line) for word in parsed if choosing[word.input_line]]
+    values = [word for word in parsed if not choosing[word.input_line]]
     try:
         choice = choose(tuple(choices), conf, stamp(conf))
-        return Composed(choice.with_values(values), told, choice.layers)
     except MissingConfigException as error:
         raise _missing_option(error, words, conf) from None
-    except (ConfigCompositionException, HydraException, OmegaConfBaseException, ValueError) as error:
-        raise _refused(error, words, conf) from None
-
-
-def _chooses(word: Override, conf: Path) -> bool:
-    """Tell whether an override chooses a file."""
-    return (conf / word.key_or_group).is_dir() and not isinstance(word.value(), dict)
+    except (HydraException, OmegaConfBaseException, ValueError, TypeError, RecursionError) as error:
+        raise _refused(error, words, typed, conf) from None
+    try:
+        return Composed(choice.with_values(values), typed, choice.layers)
+    except interpolation.Refused as refused:
+        path, reason = refused.args
+        where = Composed(choice.tree, typed, choice.layers).origin(path)
+        raise UserError(f"{where}: {path}: {reason}") from None
+    except (ConfigCompositionException, HydraException, OmegaConfBaseException, ValueError, TypeError) as error:
+        raise _refused(error, words, typed, conf, choice.tree) from None
 
 
 def expand(words: Sequence[str]) -> list[list[str]]:
-    """Expand a sweep (`battery=a,b mode.x=range(1,4)`) to one list of overrides a run, as Hydra's basic sweeper."""
-    _check_syntax(words)
-    with adapter.opened(CONF, content) as loader:
-        runs = adapter.expanded(loader, words)
+    """Expand a sweep (`battery=a,b mode.x=range(1,4)`) to one list of overrides a run, as Hydra's basic sweeper.
+
+    Raises
+    ------
+    UserError : a word that is no override, a sweep of none or of too many runs, counted before they are made.
+    """
+    parsed = parse(words)
+    counted = [(word, adapter.runs_of(word)) for word in parsed]
+    runs = math.prod(count for _, count in counted)
+    swept = " ".join(str(word.input_line) for word, _ in counted if word.is_sweep_override())
+    if not 1 <= runs <= MOST_RUNS:
+        allowed = f"allowed are {MOST_RUNS} at most; give them in several commands" if runs else "give one or more"
+        count = str(runs) if runs < adapter.UNCOUNTED else "uncounted"
+        raise UserError(f"override {swept}: a sweep of {count} runs; {allowed}")
+    without = next((word for word in parsed if word.is_sweep_override() and not word.is_discrete_sweep()), None)
+    if without is not None:
+        raise UserError(
+            f"override {without.input_line}: an interval has no values to take in turn; give range(1,5,0.5)"
+        )
+    with adapter.opened(CONF, content, text) as loader:
+        try:
+            made = adapter.expanded(loader, words)
+        except (HydraException, ValueError, ArithmeticError) as error:
+            raise UserError(f"override {swept}: {' '.join(str(error).split())}") from None
+    by_key = {word.get_key_element(): str(word.input_line) for word in parsed if not word.is_sweep_override()}
     # The sweeper writes `~key` as `~key=null`.
-    return [[word.removesuffix("=null") if word.startswith("~") else word for word in run] for run in runs]
+    return [
+        [_word(word.removesuffix("=null") if word.startswith("~") else word, by_key) for word in run] for run in made
+    ]
+
+
+def _word(written: str, by_key: Mapping[str, str]) -> Word:
+    plain = re.sub(r"\\(.)", r"\1", written)
+    return Word(written, by_key.get(written.split("=", 1)[0], plain))
 
 
 def options(group: str, conf: Path = CONF) -> list[str]:
     """Return the names of the YAML files of a group."""
-    return sorted(path.stem for path in (conf / group).glob("*.yaml"))
+    return _options(group, conf)
 
 
 def cards() -> dict[str, dict[str, Any]]:
     """Return the card of every study as its file has it, by name; nothing is composed."""
-    return {name: content(CONF / "study" / f"{name}.yaml").get("study", {}) for name in options("study")}
+    held = {name: content(CONF / "study" / f"{name}.yaml").get("study") for name in options("study")}
+    return {name: card if isinstance(card, dict) else {} for name, card in held.items()}
 
 
 def groups(conf: Path = CONF) -> list[str]:
@@ -180,7 +222,7 @@ def groups(conf: Path = CONF) -> list[str]:
 def _mode_words(words: Iterable[str], conf: Path) -> list[str]:
     """Every YAML in conf/modes is a mode: adding one needs no list to be edited."""
     taken = {word.split("=")[0].lstrip("+") for word in words}
-    names = options("modes", conf)
+    names = check_names("modes", conf)
     return [f"+modes@modes.{name}={name}" for name in names if f"modes@modes.{name}" not in taken]
 
 
@@ -192,20 +234,6 @@ def _panel_words(words: Iterable[str]) -> list[str]:
     return ["panel=database"] if "panel.name" in keys and "panel" not in keys else []
 
 
-def _check_syntax(words: Iterable[str]) -> None:
-    parser = OverridesParser.create()
-    for word in words:
-        try:
-            understood = bool(parser.parse_override(word).key_or_group)
-        except HydraException:
-            understood = False
-        if not understood:
-            raise UserError(
-                f"override {word!r}: not understood; allowed is key=value or group=option, "
-                "e.g. battery=lead_acid_12v18ah or modes.cv_reflex.frequency_hz=50"
-            )
-
-
 def _missing_option(error: MissingConfigException, words: Iterable[str], conf: Path) -> UserError:
     missing = error.missing_cfg_file or ""
     group, _, option = missing.rpartition("/")
@@ -213,28 +241,56 @@ def _missing_option(error: MissingConfigException, words: Iterable[str], conf: P
         chosen = f"{group}={option}"
         word = next((word for word in words if word.startswith(f"{group}@") and word.endswith(f"={option}")), chosen)
         return UserError(
-            f"override {word}: no conf/{group}/{option}.yaml; {best_matches(option, options(group, conf))}"
+            f"override {told(word)}: no conf/{group}/{option}.yaml; {best_matches(option, options(group, conf))}"
         )
     return UserError(f"no configuration {missing!r}: {str(error).splitlines()[0]}; groups: {', '.join(groups(conf))}")
 
 
-def _refused(error: Exception, words: Iterable[str], conf: Path) -> UserError:
+def _refused(
+    error: Exception,
+    words: Sequence[str],
+    typed: Sequence[str],
+    conf: Path,
+    tree: Mapping[str, Any] | None = None,
+) -> UserError:
+    """Return what Hydra or OmegaConf refused as a person would say it; `tree` is what the files come to, if they do."""
     cause = error.__cause__ or error
-    parser = OverridesParser.create()
-    for word in words:
-        parsed = parser.parse_override(word)
-        if parsed.is_add() or f"'{parsed.key_or_group}'" not in str(error):
-            continue
-        chosen = [other for other in words if other.split("=")[0] in groups(conf) and other != word]
-        keys = parsed.key_or_group.split(".")
-        here: Any = _compose([*_mode_words((), conf), *chosen], (), conf).tree
-        for depth, key in enumerate(keys):
-            if not isinstance(here, dict) or key not in here:
-                known = [name for name in here if name not in ("sources",)] if isinstance(here, dict) else []
-                if depth == 0 and key in groups(conf):
-                    return UserError(f"override {word}: this study has no {key}; it has: {', '.join(sorted(here))}")
-                parent = ".".join(keys[:depth]) or "the configuration"
-                return UserError(f"override {word}: {parent} has no key {key!r}; {best_matches(key, known)}")
+    full = str(getattr(cause, "full_key", "") or "")
+    for word, parsed in zip(typed, parse(typed), strict=True):
+        key, name = parsed.key_or_group, told(word)
+        if tree is None:
+            if f"'{key}'" not in str(error):
+                continue
+            chosen = [other for other in words if other.split("=")[0] in groups(conf) and other != word]
+            here: Mapping[str, Any] = _compose([*_mode_words((), conf), *chosen], (), conf).tree
+        else:
+            if full != key and not full.startswith((f"{key}.", f"{key}[")) and f"'{key}'" not in str(error):
+                continue
+            here = tree
+        unknown = None if parsed.is_add() else _unknown(full if full.startswith(f"{key}.") else key, here, conf)
+        return UserError(f"override {name}: {unknown or _first_line(cause)}")
+    where = f"override {' '.join(map(told, typed))}" if typed else shown(conf / "config.yaml")
+    return UserError(f"{where}: {_first_line(cause)}")
+
+
+def _unknown(path: str, tree: Mapping[str, Any], conf: Path) -> str | None:
+    """Say which key of a path is not there, and which are; nothing where all are."""
+    here: Any = tree
+    keys = path.split(".")
+    for depth, key in enumerate(keys):
+        if isinstance(here, list) and key.isdecimal() and int(key) < len(here):
+            here = here[int(key)]
+        elif not isinstance(here, dict) or key not in here:
+            known = [name for name in here if name != "sources"] if isinstance(here, dict) else []
+            if depth == 0 and key in groups(conf):
+                return f"this study has no {key}; it has: {', '.join(sorted(here))}"
+            return f"{'.'.join(keys[:depth]) or 'the configuration'} has no key {key!r}; {best_matches(key, known)}"
+        else:
             here = here[key]
-        return UserError(f"override {word}: {cause}")
-    return UserError(f"configuration: {' '.join(str(cause).split())}")
+    return None
+
+
+def _first_line(error: BaseException) -> str:
+    if "Cannot merge" in str(error):
+        return "a list and a mapping cannot be put together; give what stands there now, or take it out first with ~"
+    return " ".join((str(error).splitlines() or [type(error).__name__])[0].split())[:300]

@@ -7,13 +7,10 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from functools import lru_cache
 from pathlib import Path
 from typing import Any
 
-import yaml
-
-from pipeline.config.adapter import YamlLoader
+from pipeline.config.yaml_file import document, shown
 from pipeline.errors import UserError
 from pipeline.kernel.digest import PROJECT
 
@@ -52,49 +49,30 @@ class Layer:
 
 def content(path: Path) -> dict[str, Any]:
     """Return what a YAML file holds; shared by all who ask, so not to be changed."""
-    return _parsed(path, _state(path))
+    return document(path).tree
 
 
 def stamp(folder: Path) -> Stamp:
     """Return the state of every YAML file below a folder: another one after an edit."""
-    return tuple((path.as_posix(), *_state(path)) for path in sorted(folder.rglob("*.yaml")))
+    found = []
+    for path in sorted(folder.rglob("*.yaml")):
+        # What cannot be read counts too, as it is: it is told where it is chosen.
+        status = path.stat() if path.exists() else path.lstat()
+        found.append((path.as_posix(), status.st_mtime_ns, status.st_size))
+    return tuple(found)
 
 
 def locate(path: Path, keys: Sequence[str]) -> int:
     """Return the line of the last of some keys, from the first, that a YAML file has."""
-    node = yaml.compose(path.read_text(encoding="utf-8"), Loader=yaml.CSafeLoader)
+    lines = document(path).lines
+    here: tuple[str | int, ...] = ()
     line = 1
     for key in keys:
-        found = [(k, v) for k, v in node.value if k.value == key] if isinstance(node, yaml.MappingNode) else []
-        if not found:
+        here = (*here, key) if (*here, key) in lines else (*here, int(key)) if key.isdecimal() else (*here, key)
+        if here not in lines:
             break
-        line = found[0][0].start_mark.line + 1
-        node = found[0][1]
+        line = lines[here]
     return line
-
-
-def shown(path: Path) -> str:
-    """Return a file's name as messages have it."""
-    return path.relative_to(PROJECT).as_posix() if path.is_relative_to(PROJECT) else path.as_posix()
-
-
-def _state(path: Path) -> tuple[int, int]:
-    status = path.stat()
-    return status.st_mtime_ns, status.st_size
-
-
-@lru_cache(maxsize=512)
-def _parsed(path: Path, state: tuple[int, int]) -> dict[str, Any]:
-    try:
-        read = yaml.load(path.read_text(encoding="utf-8"), Loader=YamlLoader)
-    except yaml.MarkedYAMLError as error:
-        line = "" if error.problem_mark is None else f":{error.problem_mark.line + 1}"
-        raise UserError(f"{shown(path)}{line}: not readable YAML: {error.problem}") from None
-    except (yaml.YAMLError, UnicodeDecodeError) as error:
-        raise UserError(f"{shown(path)}: not readable YAML: {error}") from None
-    if not isinstance(read, dict | None):
-        raise UserError(f"{shown(path)}: a file of conf/ is a mapping of names to values, not a {type(read).__name__}")
-    return read or {}
 
 
 Place = tuple[str, ...]

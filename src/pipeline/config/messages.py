@@ -12,6 +12,7 @@ from pydantic.fields import FieldInfo
 from pipeline.errors import UserError, best_matches
 
 Origin = Callable[[str], str] | str
+_LONGEST = 1200
 _PLAIN = ("float", "int", "str", "bool", "list", "dict")
 
 
@@ -33,7 +34,7 @@ def explain(
         named = _named_key(mistake, path, tree)
         full = ".".join(part for part in (prefix, *path) if part)
         where = origin if isinstance(origin, str) else origin(f"{full}.{named}" if named else full)
-        line = f"{where}: {full}: {_sentence(mistake, path, parent, model)}"
+        line = f"{where}: {full}: {_sentence(mistake, path, parent, model)}"[:_LONGEST]
         if line not in lines:
             lines.append(line)
     return UserError("\n".join(lines))
@@ -130,19 +131,27 @@ def _sentence(mistake: Any, path: list[str], parent: Any, model: type[BaseModel]
         meant = {field.description for field in _fields(model, path) if field.description}
         return f"missing; {meant.pop()}" if len(meant) == 1 else "missing"
     if kind == "no_form":
-        shown = f"the keys {', '.join(value)} make" if isinstance(value, Mapping) else f"value {value!r} is"
+        shown = (
+            f"the keys {', '.join(map(str, value))} make" if isinstance(value, Mapping) else f"value {short(value)} is"
+        )
         return f"{shown} none of its forms; allowed is {' or '.join(['a number', *_forms(model, path)])}"
     if kind == "model_type":
-        return f"value {value!r}; allowed is a mapping, {' or '.join(_forms(model, path))}"
+        return f"value {short(value)}; allowed is a mapping, {' or '.join(_forms(model, path))}"
     if kind == "union_tag_invalid":
         key, tag, tags = (str(mistake["ctx"][name]) for name in ("discriminator", "tag", "expected_tags"))
         return f"{_bare(key)} is {tag!r}; {best_matches(tag, map(_bare, tags.split(',')))}"
     message = message.removeprefix("Value error, ")
-    shown = f" (value {value!r})" if not isinstance(value, Mapping | list | BaseModel) else ""
+    shown = f" (value {short(value)})" if not isinstance(value, Mapping | list | BaseModel) else ""
     if kind == "literal_error" and isinstance(value, str):
         allowed = mistake["ctx"]["expected"].replace(" or ", ",").split(",")
         return f"{message}{shown}; {best_matches(value, map(_bare, allowed))}"
     return f"{message}{shown}"
+
+
+def short(value: Any) -> str:
+    """Return a value as a message shows it, cut where it is long."""
+    text = repr(value)
+    return text if len(text) <= 120 else f"{text[:120]}..."
 
 
 def _bare(name: str) -> str:

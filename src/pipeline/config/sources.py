@@ -8,8 +8,8 @@ from typing import Any, Literal
 from pydantic import ValidationError, model_validator
 
 from pipeline.config.compose import Composed
-from pipeline.config.inheritance import shown
 from pipeline.config.messages import explain
+from pipeline.config.yaml_file import shown
 from pipeline.errors import UserError, best_matches
 from pipeline.kernel import registry
 from pipeline.kernel.scope import below

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Collection, Iterator, Mapping
 from contextlib import contextmanager
 from functools import cache
 from typing import Any
@@ -99,19 +99,17 @@ def study_from(composed: Composed) -> Any:
     UserError : the first kind of mistake found, each instance with file, key path, value and what is allowed.
     """
     values, written = split(composed.tree)
+    _refuse_own(composed, values, written)
     for one in registry.experiments().values():
         if one.prepare is not None:
             values = one.prepare(composed, values, written)
+    whole = values
     values, left_out = _without_unnamed(values)
-    model = study_type()
-    try:
-        study = model(
-            **values,
-            overrides=tuple(word for word in composed.overrides if not word.startswith("study=")),
-            configuration=values,
-        )
-    except ValidationError as error:
-        raise explain(error, values, "", composed.origin, model) from None
+    # What a person changes is judged even where nothing takes it.
+    touched = {path for path in left_out if composed.touched(path)}
+    if touched:
+        _validated(composed, _without_unnamed(whole, touched)[0])
+    study = _validated(composed, values)
     taken = {path: source for path, source in written.items() if not _of_left_out(path, values, left_out)}
     sources = attribute(composed, values, taken, study.parameter_sections())
     study = study.model_copy(update={"sources": sources})
@@ -119,8 +117,35 @@ def study_from(composed: Composed) -> Any:
     return study
 
 
-def _without_unnamed(values: dict[str, Any]) -> tuple[dict[str, Any], set[str]]:
+def _refuse_own(composed: Composed, values: Mapping[str, Any], written: Mapping[str, Any]) -> None:
+    """Refuse what the program itself puts at the root, and sources of what is not there."""
+    for path in sorted({"overrides", "configuration", "run"} & set(values)):
+        raise UserError(f"{composed.origin(path)}: {path}: no part of a configuration that can be given")
+    for path in written:
+        if path.split(".")[0] not in values and composed.touched("sources"):
+            raise UserError(
+                f"{composed.origin(f'sources.{path}')}: sources.{path}: no such value; {best_matches(path, values)}"
+            )
+
+
+def _validated(composed: Composed, values: dict[str, Any]) -> Any:
+    model = study_type()
+    try:
+        return model(
+            **values,
+            overrides=tuple(word for word in composed.overrides if not word.startswith("study=")),
+            configuration=values,
+        )
+    except ValidationError as error:
+        raise explain(error, values, "", composed.origin, model) from None
+
+
+def _without_unnamed(values: dict[str, Any], keep: Collection[str] = ()) -> tuple[dict[str, Any], set[str]]:
     """Leave out the entries of mappings that nothing names; every file of conf/modes is known, none has to be used.
+
+    Arguments
+    ---------
+    keep : key paths of entries that stay although nothing names them.
 
     Returns
     -------
@@ -140,6 +165,7 @@ def _without_unnamed(values: dict[str, Any]) -> tuple[dict[str, Any], set[str]]:
     for mapping, words in named.items():
         entries = values.get(mapping)
         if isinstance(entries, Mapping):
+            words += [name for name in entries if f"{mapping}.{name}" in keep]
             left_out |= {f"{mapping}.{name}" for name in entries if name not in words}
             values = values | {mapping: {name: entries[name] for name in words if name in entries}}
     return values, left_out
