@@ -1,4 +1,4 @@
-"""`python -m pipeline`: runs studies, compares and reports runs, validates the engine, keeps the store, explains."""
+"""`python -m pipeline`: runs, compares, reproduces and reports studies, validates the engine, keeps the store."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from pipeline.errors import UserError
 from pipeline.kernel import store
 from pipeline.kernel.last_resort import last_resort
 
-COMMANDS = ("run", "compare", "report", "store", "validate", "steps", "modes", "schema", "new")
+COMMANDS = ("run", "compare", "reproduce", "report", "store", "validate", "steps", "modes", "schema", "new")
 """The words; each is a module of `pipeline.commands` with `main(arguments) -> exit code`."""
 
 

@@ -107,6 +107,11 @@ def test_a_line_in_a_module_of_tables_changes_nothing(project: Path, before: dic
     assert _changed(project, before, {other: ("", TABLE)}) == set()
 
 
+def test_what_is_chaotic_elsewhere_changes_nothing(project: Path, before: dict[str, str]) -> None:
+    edit = ('elsewhere={"value": CHAOTIC}', 'elsewhere={"step": 0.5}')
+    assert _changed(project, before, {"src/pipeline/experiments/frequency/tables.py": edit}) == set()
+
+
 def test_a_figure_changes_the_page_that_shows_it(project: Path, before: dict[str, str]) -> None:
     edits = {f"{EXPERIMENT}/figures/another.py": ("", FIGURE), "conf/report/nicd_grnn.yaml": ("", CARD)}
     assert _changed(project, before, edits) == {"nicd_grnn/figure/another_figure", *SHOWN}

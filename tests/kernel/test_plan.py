@@ -8,8 +8,9 @@ from typing import Any
 import pytest
 
 from pipeline.config.compose import compose_tree
+from pipeline.config.planning import run_of
 from pipeline.config.study import study_from
-from pipeline.kernel import digest
+from pipeline.kernel import digest, plan
 from pipeline.kernel.draft import drafts
 
 DAYS = {f"day/{weather}/cv_reflex_hourly" for weather in ("clear", "half_cloudy", "overcast")}
@@ -62,6 +63,14 @@ def test_what_changes_a_key(change: Callable[[dict[str, Any]], None], expected: 
     words = ("modes.run=[cc_cv,cv_reflex_hourly]",)
     before, after = _keys(_same, words), _keys(change, words)
     assert {name for name in before if before[name] != after[name]} == expected
+
+
+def test_the_version_of_python_is_part_of_every_key(monkeypatch: pytest.MonkeyPatch) -> None:
+    before = run_of(["study=nicd_grnn"]).keys
+    monkeypatch.setattr(plan, "PYTHON", "3.12")
+    after = run_of(["study=nicd_grnn"]).keys
+    assert before.keys() == after.keys()
+    assert not set(before.values()) & set(after.values())
 
 
 def test_a_title_charges_nothing_again() -> None:

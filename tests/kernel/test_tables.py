@@ -86,3 +86,19 @@ def test_every_declared_column_says_what_it_is(table: Table) -> None:
     for column in table.columns:
         assert column.description
         assert column.unit or column.kind in ("text", "truth")
+
+
+def test_how_far_a_column_may_be_off_elsewhere_is_declared_and_enters_no_plan() -> None:
+    found = tables.TableFile("{kind}.t.parquet", TABLE, elsewhere={"time_s": 1e-3, "g*": tables.CHAOTIC})
+    assert [found.tolerance(name) for name in ("time_s", "gap", "name")] == [1e-3, tables.CHAOTIC, tables.ELSEWHERE]
+    assert found.plain() == tables.TableFile("{kind}.t.parquet", TABLE).plain()
+    named = tables.find({"{kind}": found}, "one")
+    assert named is not None
+    assert (named.file, named.tolerance("time_s")) == ("one.t.parquet", 1e-3)
+
+
+def test_the_table_of_a_file_is_found() -> None:
+    declared = {name: tables.TableFile(name, TABLE) for name in ("{kind}.parquet", "exact.parquet")}
+    assert tables.of_file(declared, "exact.parquet") is declared["exact.parquet"]
+    assert tables.of_file(declared, "other.parquet") is declared["{kind}.parquet"]
+    assert tables.of_file(declared, "other.csv") is None

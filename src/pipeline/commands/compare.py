@@ -15,10 +15,12 @@ from pipeline.kernel import digest
 
 @dataclass(frozen=True)
 class Listed:
-    """An artefact as a manifest lists it: where it lies, and the sha256 it had when published."""
+    """An artefact as a manifest lists it: where it lies, the sha256 it had when published, and what it is a file of."""
 
     path: Path
     sha256: str
+    step: str = ""
+    file: str = ""
 
 
 def main(arguments: Sequence[str]) -> int:
@@ -57,21 +59,29 @@ def main(arguments: Sequence[str]) -> int:
 def artefacts(folder: Path) -> dict[str, Listed]:
     """Return place -> artefact of every file that the manifests in a folder list, those of parts (`-t`) included."""
     own = sorted(folder.glob("manifest*.json"))
-    manifests = own or sorted(folder.glob("*/*/manifest*.json"))
-    if not manifests:
+    paths = own or sorted(folder.glob("*/*/manifest*.json"))
+    if not paths:
         raise UserError(f"{folder}: no manifest.json there; allowed is a run's folder or a results folder")
     found: dict[str, Listed] = {}
-    for path in manifests:
-        try:
-            manifest = json.loads(path.read_text(encoding="utf-8"))
-            prefix = "" if own else f"{manifest['study']}/{manifest['run']}/"
-            for entry in manifest["artefacts"]:
-                place = Path(entry["path"])
-                name = prefix + Path(place.parts[0], *place.parts[3:]).as_posix()
-                found[name] = Listed(_on_disk(path, place), entry["sha256"])
-        except (OSError, ValueError, KeyError, TypeError, IndexError, AttributeError) as error:
-            raise UserError(f"{path}: not a manifest ({error}); run the study again, which writes it anew") from None
+    for path in paths:
+        read = manifest(path)
+        prefix = "" if own else f"{read['study']}/{read['run']}/"
+        found |= {f"{prefix}{place}": one for place, one in read["artefacts"].items()}
     return found
+
+
+def manifest(path: Path) -> dict[str, Any]:
+    """Read a manifest, its `artefacts` by their places in the run; raise `UserError` where it is none."""
+    try:
+        read: dict[str, Any] = json.loads(path.read_text(encoding="utf-8"))
+        found = {}
+        for entry in read["artefacts"]:
+            place = Path(entry["path"])
+            listed = Listed(_on_disk(path, place), entry["sha256"], entry.get("step", ""), entry.get("file", ""))
+            found[Path(place.parts[0], *place.parts[3:]).as_posix()] = listed
+        return {**read, "study": read["study"], "run": read["run"], "artefacts": found}
+    except (OSError, ValueError, KeyError, TypeError, IndexError, AttributeError) as error:
+        raise UserError(f"{path}: not a manifest ({error}); run the study again, which writes it anew") from None
 
 
 def damage(listed: Listed) -> str | None:

@@ -97,8 +97,8 @@ def _parser() -> argparse.ArgumentParser:
     available = "\n".join(f"  {group:<12} {', '.join(options(group))}" for group in groups())
     parser = argparse.ArgumentParser(
         prog="python -m pipeline",
-        description="Battery charging studies. Other words: compare, report, store, validate, steps, modes, schema, "
-        "new; each has --help.",
+        description="Battery charging studies. Other words: compare, reproduce, report, store, validate, steps, "
+        "modes, schema, new; each has --help.",
         epilog=f"{EXAMPLES}\nconfiguration groups (group=option):\n{available}",
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )

@@ -6,6 +6,7 @@ are the same node, whichever run asked for them.
 
 from __future__ import annotations
 
+import sys
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, field
 from itertools import pairwise
@@ -19,6 +20,8 @@ from pipeline.kernel.experiment import Draft
 from pipeline.kernel.planfile import VERSION
 
 PUBLISH_SIZE = 32
+PYTHON = f"{sys.version_info.major}.{sys.version_info.minor}"
+"""What of the interpreter's version is part of every key."""
 # What every step goes through: a table that is written otherwise is another artefact.
 _COMMON = ("pipeline.kernel.artefacts",)
 
@@ -144,6 +147,7 @@ def _identity(node: Draft, keys: Mapping[str, str]) -> dict[str, Any]:
         "files": {path.relative_to(digest.PROJECT).as_posix(): digest.of_file(path) for path in step_files(node.step)},
         "inputs": {name: keys[maker] for name, maker in node.inputs.items()},
         "lock": digest.of_lock(),
+        "python": PYTHON,
     }
 
 

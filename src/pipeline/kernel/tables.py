@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+import dataclasses
+import math
 from collections.abc import Mapping
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
+from fnmatch import fnmatchcase
 from pathlib import Path
 from typing import Any, Literal
 
@@ -18,6 +21,12 @@ _TYPES: dict[str, pa.DataType] = {
     "text": pa.string(),
     "truth": pa.bool_(),
 }
+
+
+ELSEWHERE = 1e-6
+"""How far a number may be off on a machine that rounds otherwise, as a share of the largest of its column."""
+CHAOTIC = math.inf
+"""That of numbers which grow a rounding error to their own size: orbits, histories of searches."""
 
 
 class TableError(ValueError):
@@ -84,11 +93,18 @@ class TableFile:
         each; the name it is declared under then carries the same field, `{search}_history`.
     table : its declaration.
     time : its column of time [s], where it has one.
+    elsewhere : column, or name of a named number, perhaps with `*` -> how far it may be off on another machine, where
+        that is not `ELSEWHERE`; the first that fits counts. Enters no key.
     """
 
     file: str
     table: Table
     time: str | None = None
+    elsewhere: Mapping[str, float] = dataclasses.field(default_factory=dict, hash=False)
+
+    def tolerance(self, name: str) -> float:
+        """Return how far a column or a named number may be off on another machine."""
+        return next((found for word, found in self.elsewhere.items() if fnmatchcase(name, word)), ELSEWHERE)
 
     def plain(self) -> dict[str, Any]:
         """Return the declaration as plain data, as a plan holds it."""
@@ -107,8 +123,15 @@ def find(tables: Mapping[str, TableFile], name: str) -> TableFile | None:
     for pattern, found in tables.items():
         matched = _field(pattern, name)
         if matched is not None:
-            return TableFile(found.file.format(**matched), found.table, found.time)
+            return replace(found, file=found.file.format(**matched))
     return None
+
+
+def of_file(tables: Mapping[str, TableFile], file: str) -> TableFile | None:
+    """Return the table that is written to a file of an artefact; none where it is no declared one."""
+    exact = [found for found in tables.values() if found.file == file]
+    fits = [found for found in tables.values() if _field(found.file, file) is not None]
+    return next(iter([*exact, *fits]), None)
 
 
 def _field(pattern: str, name: str) -> dict[str, str] | None:

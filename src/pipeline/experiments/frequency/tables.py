@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from pipeline.experiments.frequency.tuning_tables import KNOBS
-from pipeline.kernel.tables import NUMBERS, Column, Table, TableFile
+from pipeline.kernel.tables import CHAOTIC, NUMBERS, Column, Table, TableFile
 
 _PARAMETER_R = Column("r", "1", "parameter of the logistic map x -> r x (1 - x)")
 
@@ -203,8 +203,8 @@ SEARCH_COMPARISON = Table(
 )
 
 CHAOS = {
-    "orbit": TableFile("orbit.parquet", ORBIT),
-    "bifurcation": TableFile("bifurcation.parquet", ORBIT),
+    "orbit": TableFile("orbit.parquet", ORBIT, elsewhere={"value": CHAOTIC}),
+    "bifurcation": TableFile("bifurcation.parquet", ORBIT, elsewhere={"value": CHAOTIC}),
     "disorder": TableFile("disorder.parquet", DISORDER),
     **NUMBERS,
 }
