@@ -4,7 +4,8 @@ VENV := .venv
 BIN := $(VENV)/bin
 CORES ?= 2
 
-.PHONY: all test test-slow lint bench bench-slow validate accuracy setup setup-dev lock clean help
+.PHONY: all test test-slow lint bench bench-slow validate accuracy reproduce reproduce-generic expected setup setup-dev \
+	lock clean help
 
 all: setup ## run every study: results/ and reports/
 	$(BIN)/snakemake --cores $(CORES) all
@@ -30,6 +31,15 @@ bench-slow: setup-dev ## the same, and the hour that PyBaMM takes minutes for
 
 validate: setup ## hold the engine against closed forms, the first law, PyBaMM and ngspice (these two where installed)
 	$(BIN)/python -m pipeline validate --cores $(CORES)
+
+reproduce: setup ## run every study cold in a fresh folder and hold it against reproducibility/expected.json
+	$(BIN)/python -m pipeline reproduce
+
+reproduce-generic: setup ## the same as another CPU would: numbers within their tolerances, verdicts
+	$(BIN)/python -m pipeline reproduce --generic
+
+expected: setup ## renew reproducibility/expected.json; its diff reads as numbers
+	$(BIN)/python -m pipeline reproduce --renew
 
 accuracy: setup-dev ## the charge engine against a tight solve_ivp, three windows of 60 s
 	$(BIN)/python -m benchmarks.accuracy
