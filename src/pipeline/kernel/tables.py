@@ -166,6 +166,11 @@ NOTES = {"notes": TableFile("notes.parquet", FILE_NOTES)}
 """The entry of the table of notes among the tables of a step that reads a person's file."""
 
 
+def numbers(elsewhere: Mapping[str, float]) -> dict[str, TableFile]:
+    """Return that entry where some numbers may be further off on another machine: name, perhaps with `*` -> how far."""
+    return {name: replace(found, elsewhere=elsewhere) for name, found in NUMBERS.items()}
+
+
 def to_arrow(table: Table, data: Mapping[str, Any]) -> pa.Table:
     """Build an Arrow table from columns.
 

@@ -80,7 +80,7 @@ SAMPLED = Step(
     settings=_ensemble_settings,
     reads=("battery", "modes", "charge", "engine", "ensemble", "seed", "run", "comparisons"),
     takes=("engine", "supply", FOUND),
-    tables={"ensemble": TableFile("ensemble.parquet", ENSEMBLE)},
+    tables={"ensemble": TableFile("ensemble.parquet", ENSEMBLE, elsewhere={"value": 1e-4})},
     shown=False,
 )
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from pipeline.kernel.tables import Column, Table, TableFile
+from pipeline.kernel.tables import CHAOTIC, Column, Table, TableFile
 
 # Columns with a slash carry the names of the Battery Data Format; the others are the project's own.
 CHARGE_TRACE = Table(
@@ -90,7 +90,10 @@ ENSEMBLE = Table(
 CHARGE = {
     "trace": TableFile("trace.bdf.parquet", CHARGE_TRACE, time="Test Time / s"),
     "waveform": TableFile("waveform.parquet", CHARGE_WAVEFORM, time="time_s"),
-    "summary": TableFile("summary.parquet", CHARGE_SUMMARY),
+    # A rounding error, and a count that follows from where steps of a bounded error end.
+    "summary": TableFile(
+        "summary.parquet", CHARGE_SUMMARY, elsewhere={"energy_balance_residual": CHAOTIC, "steps": 0.05}
+    ),
     "phases": TableFile("phases.parquet", CHARGE_PHASES),
     "energy": TableFile("energy.parquet", CHARGE_ENERGY),
 }

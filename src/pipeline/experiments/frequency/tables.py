@@ -236,7 +236,9 @@ TUNING = {
 """What the step `tuning` writes."""
 
 SEARCH = {
-    "{search}_history": TableFile("{search}.history.parquet", SEARCH_HISTORY),
+    "{search}_history": TableFile(
+        "{search}.history.parquet", SEARCH_HISTORY, elsewhere={"position": CHAOTIC, "value": CHAOTIC}
+    ),
     "{search}_best": TableFile("{search}.best.parquet", SEARCH_BEST),
     "statistics": TableFile("statistics.parquet", SEARCH_STATISTICS),
     "comparison": TableFile("comparison.parquet", SEARCH_COMPARISON),

@@ -9,7 +9,7 @@ from pydantic import Field
 
 from pipeline.experiments.functions.numbers import VOCABULARY, fields
 from pipeline.kernel.experiment import Experiment, Node, Step
-from pipeline.kernel.tables import NUMBERS, Column, Table, TableFile
+from pipeline.kernel.tables import CHAOTIC, ELSEWHERE, Column, Table, TableFile, numbers
 from pipeline.record import Record
 from pipeline.search import registry
 from pipeline.search.function_records import FunctionStudy
@@ -93,9 +93,12 @@ FUNCTION_RANKS = Table(
     ),
 )
 
+# How far below 1e-16 a search gets is rounding.
+_HISTORY = ("low", "median", "high", "mean")
+
 FUNCTION_RUN = {
-    "runs": TableFile("runs.parquet", FUNCTION_RUNS),
-    "curves": TableFile("curves.parquet", FUNCTION_CURVES),
+    "runs": TableFile("runs.parquet", FUNCTION_RUNS, elsewhere={"value*": CHAOTIC}),
+    "curves": TableFile("curves.parquet", FUNCTION_CURVES, elsewhere=dict.fromkeys(_HISTORY, CHAOTIC)),
 }
 """What the step `function_runs` writes, of one function."""
 
@@ -104,7 +107,7 @@ FUNCTIONS = {
     "statistics": TableFile("statistics.parquet", FUNCTION_STATISTICS),
     "tests": TableFile("tests.parquet", FUNCTION_TESTS),
     "ranks": TableFile("ranks.parquet", FUNCTION_RANKS),
-    **NUMBERS,
+    **numbers({"*_generations*": ELSEWHERE, "*_mean": CHAOTIC, "*_deviation": CHAOTIC}),
 }
 """What the step `functions` writes, of all of them."""
 

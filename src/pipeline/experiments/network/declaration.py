@@ -12,7 +12,7 @@ from pipeline.experiments.network.records import GRADIENT_SECONDS, LONG, Network
 from pipeline.files import profiles
 from pipeline.kernel import digest
 from pipeline.kernel.experiment import Experiment, Node, Step
-from pipeline.kernel.tables import NUMBERS, Column, Table, TableFile
+from pipeline.kernel.tables import CHAOTIC, NUMBERS, Column, Table, TableFile
 
 _TEMPERATURE = Column("temperature_c", "degC", "temperature of the battery")
 
@@ -147,8 +147,8 @@ MADE = {
 SELECTED = {
     "networks": TableFile("networks.parquet", NETWORKS),
     "selections": TableFile("selections.parquet", SELECTIONS),
-    "trials": TableFile("trials.parquet", TRIALS),
-    "course": TableFile("history.parquet", HISTORY),
+    "trials": TableFile("trials.parquet", TRIALS, elsewhere={"mse": CHAOTIC}),
+    "course": TableFile("history.parquet", HISTORY, elsewhere={"*_mse": CHAOTIC}),
     "response": TableFile("response.parquet", RESPONSE),
     "learning": TableFile("learning.parquet", LEARNING),
     **NUMBERS,
