@@ -1,6 +1,10 @@
 # What the rules share: the plan as Snakemake sees it.
+from snakemake.logging import logger
+
+from pipeline.commands.terminal import quieten
 from pipeline.commands.workflow import forced, open_workflow
 
+quieten(logger, workflow.output_settings)
 flow = open_workflow(config, workflow.is_main_process)
 
 

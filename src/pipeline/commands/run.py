@@ -53,6 +53,7 @@ def main(arguments: Sequence[str]) -> int:
     )
     words = [options_.target, "--cores", str(options_.cores)]
     words += ["--forceall"] * options_.force
+    words += ["--printshellcmds"] * options_.verbose
     words += ["--config", f"plan={file}", "tell=false", *["verify=true"] * options_.verify]
     if options_.dry_run:
         return snakemake(["--dry-run", *words])
@@ -108,6 +109,7 @@ def _parser() -> argparse.ArgumentParser:
     parser.add_argument("-n", "--dry-run", action="store_true", help="show what would run")
     parser.add_argument("-F", "--force", action="store_true", help="compute everything again and compare")
     parts = ", ".join(["all", *registry.targets(), "report"])
+    parser.add_argument("-v", "--verbose", action="store_true", help="print all that Snakemake says, not a line a job")
     parser.add_argument("--verify", action="store_true", help="read every file made before, not only its size and time")
     parser.add_argument("-t", "--target", default="all", help=f"a part of the study: {parts}")
     parser.add_argument("--cfg", action="store_true", help="print the composed configuration and stop")
