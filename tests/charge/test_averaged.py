@@ -119,6 +119,18 @@ def test_samples_lie_between_periods():
         assert found[rise] == pytest.approx(expected[rise], rel=1e-3)
 
 
+@pytest.mark.parametrize("frequency_hz", [0.3, 1.3, 1.99])
+@pytest.mark.parametrize("cell", BATTERIES)
+def test_samples_and_marks_inside_long_periods_are_as_exact_as_the_end(cell, frequency_hz):
+    rate, voltage, _ = SUITED[cell]
+    mode = periodic("reflex", rate, voltage, 300.0, frequency_hz, share=0.5)
+    one, other = both(battery(cell), mode, settings(0.5, sample_interval_s=37.3, soc_marks=[0.505]))
+    for name, scale in (("soc", 1e-10), ("Charging Energy / Wh", 1e-6), ("Current / A", 1e-7), ("voltage_max_v", 1e-3)):
+        assert other.trace[name] == pytest.approx(one.trace[name], abs=scale, rel=1e-8), name
+    mark = "time_to_soc_0.505_s"
+    assert values(other)[mark] == pytest.approx(values(one)[mark], abs=1e-7)
+
+
 def test_windows_are_seen_in_full():
     windows = [{"start_s": 30.003, "length_s": 0.04}, {"start_s": 51.0, "length_s": 0.02}]
     one, other = both(LEAD, periodic("reflex", 0.3, 14.4, 60.0), settings(0.9, windows=windows))
@@ -163,6 +175,20 @@ def test_a_supply_that_changes_is_followed():
     assert values(one)["time_at_supply_limit_s"] > 50.0
     assert values(other)["time_at_supply_limit_s"] == pytest.approx(values(one)["time_at_supply_limit_s"], rel=1e-6)
     assert_same(one, other)
+
+
+@pytest.mark.parametrize("driver", ["edge", "averaged"])
+@pytest.mark.parametrize("frequency_hz", [0.2, 1.0, 5.0, 20.0, 90.0])
+@pytest.mark.parametrize("cell", BATTERIES)
+def test_all_that_a_supply_at_its_limit_gives_is_put_in(cell, frequency_hz, driver):
+    """Power times the time of charging, at the default tolerance: fast pairs bend the current of long pulses."""
+    rate, voltage, _ = SUITED[cell]
+    power_w = 0.5 * rate * battery(cell).capacity_in_use_ah * voltage
+    supply = Supply(np.zeros(1), np.full(1, power_w))
+    mode = periodic("pulse", rate, 1.1 * voltage, 60.0, frequency_hz)
+    found = values(charge(battery(cell), mode, settings(0.5), supply, EngineSettings(driver=driver)))
+    assert found["time_at_supply_limit_s"] == pytest.approx(54.0, rel=1e-9)
+    assert found["energy_in_wh"] == pytest.approx(power_w * 54.0 / 3600.0, rel=3e-7)
 
 
 def test_phases_of_both_kinds_follow_each_other():

@@ -1,7 +1,8 @@
 """The `averaged` driver: strides over many periods, each made of a few periods that are really run.
 
 Which period to run next is decided here; running it is the driver's, by the same function as every other. Between
-strides, where one would be short, near stops and in windows, periods run one by one.
+strides, where one would be short, near stops and in windows, periods run one by one. Below `AVERAGED_ABOVE_HZ` they do
+so at samples and marks of SOC too; above it a sample inside a period stands on the line between the periods' starts.
 """
 
 from __future__ import annotations
@@ -15,8 +16,8 @@ from pipeline.cell.circuit import Cell
 from pipeline.charge.dense import serve
 from pipeline.charge.measured import keep_period, learn, measure, meets_stop, predict, stride_error
 from pipeline.charge.period import Clock
-from pipeline.charge.program import Program
-from pipeline.charge.record_keeping import Book, reset_extremes
+from pipeline.charge.program import AVERAGED_ABOVE_HZ, Program
+from pipeline.charge.record_keeping import Book, passes_mark, reset_extremes
 from pipeline.charge.segment import NOTHING
 from pipeline.charge.state import DEPTH, RELAXATIONS, Run
 from pipeline.charge.stride import END, FIRST, TRIED, Stride, copy, correct, keep_slope, move, nudge, weigh
@@ -75,6 +76,8 @@ def next_periods(
         while todo != _RUN and todo != _REFUSE:
             if todo == _FINISH:
                 todo = _finish(cell, program, stride, course, tolerance)
+                if todo == _RUN and _is_slow(clock) and passes_mark(book, _deepest(stride)):
+                    todo = _SHORTEN
                 if todo == _RUN:
                     _accept(cell, program, run, book, clock, stride, course)
             elif todo == _SHORTEN:
@@ -110,6 +113,18 @@ def next_periods(
     reset_extremes(scratch)
     own.time_s, own.periods, stride.changes_before = 0.0, 0, run.changes
     return 0
+
+
+@inlined
+def _is_slow(clock: Clock) -> bool:
+    """Tell whether a period is so long that what happens inside it is looked at: samples and marks, beside stops."""
+    return bool(clock.period_s * AVERAGED_ABOVE_HZ >= 1.0)
+
+
+@inlined
+def _deepest(stride: Stride) -> float:
+    """Return the least 1 - SOC that is reached near the end of a stride, in its last period or the next."""
+    return float(stride.place[END, DEPTH] - stride.scale[DEPTH])
 
 
 @inlined
@@ -152,6 +167,8 @@ def _room(program: Program, supply_time_s: NDArray[np.float64], book: Book, cloc
     until_s = min(clock.phase_end_s, program.stop_elapsed_s)
     if clock.supply + 1 < len(supply_time_s):
         until_s = min(until_s, supply_time_s[clock.supply + 1])
+    if _is_slow(clock):
+        until_s = min(until_s, clock.next_sample * clock.sample_interval_s)
     for window in range(len(book.windows)):
         if book.windows[window, 1] > time_s:
             if book.windows[window, 0] <= time_s + 2.0 * period_s:

@@ -111,6 +111,8 @@ def _solve(m: NDArray[np.float64], r: NDArray[np.float64]) -> None:
 
 # A current the step cannot follow leaves this share of its squared mismatch behind, measured and rounded upwards.
 CURRENT_ERROR = 1e-3
+# From a supply at its limit the current is small in its swing, and what a fast pair does to it is the charge missed.
+_POWER_ERROR = 3e-3
 # A voltage it cannot follow: this share of its mismatch, rounded upwards.
 _VOLTAGE_ERROR = 0.1
 
@@ -127,6 +129,8 @@ def step_error(cell: Cell, run: Run, h: float, bypassed: bool) -> float:
     swing = max(abs(at[MAIN, START] - at[MAIN, 2]), abs(at[MAIN, 0] - at[MAIN, 2])) + abs(main) + 1e-300
     flow = abs(at[TOTAL, 2]) + 1e-3 * cell.charge_as / 3600.0
     error = CURRENT_ERROR * main * main / (swing * flow)
+    if run.control == POWER_CONTROL:
+        error = max(error, _POWER_ERROR * abs(main) / flow)
     if run.near and cell.transfer == 0 and cell.hysteresis == 0:
         # Every other quantity is a straight line by construction.
         return float(error)
