@@ -3,12 +3,22 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
 
-from pipeline.cell.curves import CURVE_FIELDS, compile_curves, integral
-from pipeline.cell.records import Battery, SideReaction
+from pipeline.cell.curves import (
+    ARRHENIUS,
+    CURVE_FIELDS,
+    FACTOR_FIELDS,
+    FACTORS,
+    compile_curves,
+    factor_and_slope,
+    integral,
+    value_and_slope,
+)
+from pipeline.cell.records import Arrhenius, Battery, SideReaction, Warmth
 from pipeline.jit import inlined, kernel, new_record
 
 GAS_CONSTANT = 8.314462618
@@ -52,6 +62,7 @@ CELL = np.dtype(
         ("heat_capacity_j_k", np.float64),
         ("thermal_resistance_k_w", np.float64),
         *CURVE_FIELDS,
+        *FACTOR_FIELDS,
     ],
     align=True,
 )
@@ -80,6 +91,7 @@ def compile_cell(battery: Battery) -> Cell:
         ],
         [1.0, 1.0, 1.0 / k, k, *(1.0 / k for _ in pairs)],
     )
+    compile_factors(cell, battery.warmths)
     tau = [pair.time_constant_s for pair in pairs]
     if acceptance:
         tau.append(acceptance.time_constant_s)
@@ -102,6 +114,26 @@ def compile_cell(battery: Battery) -> Cell:
     cell["heat_capacity_j_k"] = battery.thermal.heat_capacity_j_k * k
     cell["thermal_resistance_k_w"] = battery.thermal.resistance_k_w / k
     return cell
+
+
+def compile_factors(bank: Any, warmths: Sequence[Warmth | None]) -> None:
+    """Write the factors of resistances into a record with `FACTOR_FIELDS`, in the order of their index."""
+    for row, warmth in enumerate(warmths):
+        if warmth is None:
+            continue
+        bank["warming"] = 1
+        if isinstance(warmth, Arrhenius):
+            bank["factor_kind"][row] = ARRHENIUS
+            bank["factor_energy_k"][row] = warmth.activation_energy_j_mol / GAS_CONSTANT
+            bank["factor_reference_k"][row] = warmth.reference_temperature_c + ZERO_CELSIUS_K
+            continue
+        from scipy.interpolate import PchipInterpolator
+
+        knots = np.array(warmth.temperature_c) + ZERO_CELSIUS_K
+        cubic = PchipInterpolator(knots, np.array(warmth.factor))
+        bank["factor_kind"][row], bank["factor_pieces"][row] = FACTORS, len(knots) - 1
+        bank["factor_knots_k"][row, : len(knots)] = knots
+        bank["factor_coefficients"][row, : len(knots) - 1] = cubic.c[::-1].T
 
 
 def _compile_side(cell: Cell, side: SideReaction, k: float) -> None:
@@ -150,6 +182,19 @@ def hysteresis_at(cell: Cell, before_v: float, moved: float) -> tuple[float, flo
     goal = cell.hysteresis_v if moved < 0.0 else 0.0
     left = (goal - before_v) * math.exp(-cell.hysteresis_per_depth * abs(moved))
     return goal - left, -cell.hysteresis_per_depth * abs(left)
+
+
+@kernel
+def pair_ohm(cell: Cell, k: int, x: float, temperature_k: float) -> float:
+    """Return the resistance of pair k of one cell, the acceptance pair being the last [ohm]."""
+    resistance = cell.acceptance_ohm / x if k == cell.pairs else value_and_slope(cell, FIRST_PAIR + k, x)[0]
+    return float(resistance * factor_and_slope(cell, 1 + k, temperature_k)[0])
+
+
+@kernel
+def series_ohm(cell: Cell, x: float, temperature_k: float) -> float:
+    """Return the series resistance of one cell [ohm]."""
+    return float(value_and_slope(cell, SERIES, x)[0] * factor_and_slope(cell, 0, temperature_k)[0])
 
 
 @kernel

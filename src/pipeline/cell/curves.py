@@ -8,7 +8,16 @@ from typing import Any
 
 import numpy as np
 
-from pipeline.cell.records import MOST_POINTS, Curve, Inverse, Logarithm, Polynomial, Root, Shepherd
+from pipeline.cell.records import (
+    MOST_POINTS,
+    MOST_TEMPERATURES,
+    Curve,
+    Inverse,
+    Logarithm,
+    Polynomial,
+    Root,
+    Shepherd,
+)
 from pipeline.jit import inlined, kernel
 
 CONSTANT, POLYNOMIAL, LOGARITHM, ROOT, SHEPHERD, INVERSE, TABLE = range(7)
@@ -70,6 +79,43 @@ def _compile(bank: Any, row: int, curve: Curve, factor: float) -> None:
         bank["knots"][row, :pieces] = depth[:-1]
         bank["coefficients"][row, :pieces, :4] = cubic.c[::-1].T
         bank["coefficients"][row, :pieces, 4] = cubic.antiderivative()(depth[:-1])
+
+
+NO_FACTOR, ARRHENIUS, FACTORS = range(3)
+MOST_FACTORS = 9
+FACTOR_FIELDS = [
+    ("warming", np.int64),
+    ("factor_kind", np.int64, (MOST_FACTORS,)),
+    ("factor_energy_k", np.float64, (MOST_FACTORS,)),
+    ("factor_reference_k", np.float64, (MOST_FACTORS,)),
+    ("factor_pieces", np.int64, (MOST_FACTORS,)),
+    ("factor_knots_k", np.float64, (MOST_FACTORS, MOST_TEMPERATURES)),
+    ("factor_coefficients", np.float64, (MOST_FACTORS, MOST_TEMPERATURES, 4)),
+]
+"""Fields of the factors by which temperature multiplies resistances; `warming` tells whether there is any."""
+
+
+@kernel
+def factor_and_slope(bank: Any, row: int, temperature_k: float) -> tuple[float, float]:
+    """Return the factor of a resistance at a temperature, and the slope of its logarithm [1/K].
+
+    `f = exp(E / R (1 / T - 1 / T_reference))` for an activation energy E, a cubic between two temperatures of a table.
+    """
+    kind = bank.factor_kind[row]
+    if kind == NO_FACTOR:
+        return 1.0, 0.0
+    if kind == ARRHENIUS:
+        energy_k, reference_k = bank.factor_energy_k[row], bank.factor_reference_k[row]
+        return math.exp(energy_k * (1.0 / temperature_k - 1.0 / reference_k)), -energy_k / temperature_k**2
+    pieces, knots = bank.factor_pieces[row], bank.factor_knots_k[row]
+    t = min(max(temperature_k, knots[0]), knots[pieces])
+    piece = 0
+    while piece + 1 < pieces and knots[piece + 1] <= t:
+        piece += 1
+    c, d = bank.factor_coefficients[row, piece], t - knots[piece]
+    factor = c[0] + d * (c[1] + d * (c[2] + d * c[3]))
+    slope = c[1] + d * (2.0 * c[2] + 3.0 * d * c[3])
+    return factor, slope / factor if t == temperature_k else 0.0
 
 
 @kernel

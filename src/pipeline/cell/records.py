@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
+from itertools import pairwise
 from typing import Self
 
 from pydantic import Field, model_validator
@@ -115,11 +116,53 @@ def value_of(curve: Curve, soc: float) -> float:
     return curve.scale * curve.on_line(min(max(soc, 0.0), 1.0))
 
 
+class Arrhenius(Record):
+    """`exp(E / R (1 / T - 1 / T_reference))`, what a resistance is multiplied by: more in the cold for E above 0."""
+
+    activation_energy_j_mol: float = Field(ge=-2e5, le=2e5, description="activation energy E [J/mol]")
+    reference_temperature_c: float = Field(
+        25.0, gt=-100, le=200, description="temperature at which the factor is 1 [degC]"
+    )
+
+
+MOST_TEMPERATURES = 32
+
+
+class Factors(Record):
+    """Factors on a grid of temperatures, joined by monotone cubics (PCHIP), constant beyond its ends."""
+
+    temperature_c: list[float] = Field(
+        min_length=2, max_length=MOST_TEMPERATURES, description="grid, rising, above absolute zero [degC]"
+    )
+    factor: list[float] = Field(
+        min_length=2, max_length=MOST_TEMPERATURES, description="what the resistance is multiplied by [1]"
+    )
+
+    @model_validator(mode="after")
+    def _grid(self) -> Self:
+        grid, factor = self.temperature_c, self.factor
+        if len(grid) != len(factor):
+            raise ValueError(f"temperature_c has {len(grid)} points but factor has {len(factor)}; both need the same")
+        if grid[0] <= -273.15 or any(after <= before for before, after in pairwise(grid)):
+            raise ValueError("temperature_c must rise from point to point, from above -273.15")
+        if min(factor) <= 0.0:
+            raise ValueError(f"factor has {min(factor):g}; each must be greater than 0")
+        return self
+
+
+Warmth = Arrhenius | Factors
+"""How a resistance depends on temperature."""
+
+
 class Pair(Record):
-    """A resistor beside a capacitor; the time constant is fixed, so the capacitance follows the resistance."""
+    """A resistor beside a capacitor; the time constant is fixed, so the capacitance follows the resistance.
+
+    `tau dv/dt = R(s) f(T) i - v`, `C = tau / (R(s) f(T))`: what is stored, C v^2 / 2, changes with temperature too.
+    """
 
     resistance_ohm: Curve = Field(description="resistance per cell [ohm]")
     time_constant_s: float = Field(gt=0, description="time constant [s]")
+    resistance_temperature: Warmth | None = Field(None, description="factor f(T) of the resistance; none: 1")
 
 
 class Acceptance(Record):
@@ -127,6 +170,7 @@ class Acceptance(Record):
 
     resistance_ohm: float = Field(gt=0, description="resistance per cell at SOC 0 [ohm]")
     time_constant_s: float = Field(gt=0, description="time constant [s]")
+    resistance_temperature: Warmth | None = Field(None, description="factor f(T) of the resistance; none: 1")
 
 
 class ChargeTransfer(Record):
@@ -192,6 +236,9 @@ class Battery(Record):
         None, gt=0, description="measured enthalpy per charge, used for heat instead of U - T dU/dT [V]"
     )
     series_resistance_ohm: Curve = Field(description="series resistance per cell [ohm]")
+    series_resistance_temperature: Warmth | None = Field(
+        None, description="factor f(T) of the series resistance; none: 1"
+    )
     pairs: dict[str, Pair] = Field(default_factory=dict, max_length=6, description="pairs by name")
     acceptance: Acceptance | None = Field(None, description="acceptance pair; none where absent")
     charge_transfer: ChargeTransfer | None = Field(None, description="charge transfer; none where absent")
@@ -216,6 +263,13 @@ class Battery(Record):
         curves = (self.open_circuit_voltage_v, *(pair.resistance_ohm for pair in self.pairs.values()))
         pole = any(isinstance(curve, Logarithm | Inverse) and curve.depth_offset == 0.0 for curve in curves)
         return self.acceptance is None and not pole
+
+    @property
+    def warmths(self) -> list[Warmth | None]:
+        """Return how series resistance, each pair, and the acceptance pair if there is one depend on temperature."""
+        pairs = [pair.resistance_temperature for pair in self.pairs.values()]
+        acceptance = [self.acceptance.resistance_temperature] if self.acceptance else []
+        return [self.series_resistance_temperature, *pairs, *acceptance]
 
     @property
     def capacity_in_use_ah(self) -> float:

@@ -6,7 +6,7 @@ import math
 from collections.abc import Mapping
 
 from pipeline.cell.records import Battery, resting_voltage_v
-from pipeline.charge.protocol import MOST_C_RATE, Resolver, parameters
+from pipeline.charge.protocol import MOST_C_RATE, Resolver, lift_of, parameters
 from pipeline.charge.records import ChargeSettings, Mode, Phase
 from pipeline.charge.waveforms import (
     ConstantCurrent,
@@ -97,6 +97,7 @@ def check(battery: Battery, mode: Mode, settings: ChargeSettings) -> None:
     """
     resolver = Resolver(mode, battery.capacity_in_use_ah, battery.cells_in_series)
     stop = _numbers(resolver.optional(mode.stop, "stop"))
+    lift_v = battery.cells_in_series * lift_of(mode).per_cell_v(settings.start_c)
     for name, phase in mode.phases.items():
         _check_phase(resolver, f"phases.{name}", phase, battery, settings)
         if isinstance(phase.waveform, Sampled):
@@ -104,8 +105,8 @@ def check(battery: Battery, mode: Mode, settings: ChargeSettings) -> None:
             check_sampled(f"phases.{name}", values, stop.get("elapsed_s", 0.0))
     _check_until("stop", stop, battery, settings)
     _check_ends(mode, stop, settings)
-    _check_charges(resolver, mode, battery, settings)
-    _check_begun(resolver, mode, stop, battery, settings)
+    _check_charges(resolver, mode, battery, settings, lift_v)
+    _check_begun(resolver, mode, stop, battery, settings, lift_v)
     check_watched(mode)
     unused = sorted(set(mode.knobs) - resolver.used)
     if unused:
@@ -148,22 +149,23 @@ def _voltages(resolver: Resolver, where: str, phase: Phase) -> dict[str, float]:
     return found
 
 
-def _check_charges(resolver: Resolver, mode: Mode, battery: Battery, settings: ChargeSettings) -> None:
+def _check_charges(resolver: Resolver, mode: Mode, battery: Battery, settings: ChargeSettings, lift_v: float) -> None:
     """Refuse a sheet of which no phase charges the battery it begins with: all their voltages are below its own."""
-    resting = resting_voltage_v(battery, settings.initial_soc, settings.ambient_c)
+    resting = resting_voltage_v(battery, settings.initial_soc, settings.start_c)
     low: dict[str, float] = {}
     for name, phase in mode.phases.items():
         if isinstance(phase.waveform, Rest):
             continue
-        below = {key: v for key, v in _voltages(resolver, f"phases.{name}", phase).items() if v <= resting}
+        below = {key: v for key, v in _voltages(resolver, f"phases.{name}", phase).items() if v + lift_v <= resting}
         if not below:
             return
         low |= below
     if low:
         path, limit = next(iter(low.items()))
+        lifted = f" ({limit + lift_v:g} V at its temperature)" if lift_v else ""
         raise UserError(
-            f"{path}: {limit:g} V does not charge a battery that rests at {resting:.2f} V "
-            f"(SOC {settings.initial_soc:g}, {settings.ambient_c:g} degC); give more"
+            f"{path}: {limit:g} V{lifted} does not charge a battery that rests at {resting:.2f} V "
+            f"(SOC {settings.initial_soc:g}, {settings.start_c:g} degC); give more"
         )
 
 
@@ -189,7 +191,7 @@ def _check_current(path: str, name: str, value: float, battery: Battery) -> None
 
 
 def _check_voltage(path: str, value: float, battery: Battery, settings: ChargeSettings) -> None:
-    empty, full = (resting_voltage_v(battery, soc, settings.ambient_c) for soc in (NEARLY_EMPTY, NEARLY_FULL))
+    empty, full = (resting_voltage_v(battery, soc, settings.start_c) for soc in (NEARLY_EMPTY, NEARLY_FULL))
     least, most = max(0.0, LEAST_SHARE_OF_EMPTY * empty), MOST_SHARE_OF_FULL * full
     if not least <= value <= most:
         raise UserError(
@@ -259,13 +261,18 @@ def _check_ends(mode: Mode, stop: Mapping[str, float], settings: ChargeSettings)
 
 
 def _check_begun(
-    resolver: Resolver, mode: Mode, stop: Mapping[str, float], battery: Battery, settings: ChargeSettings
+    resolver: Resolver,
+    mode: Mode,
+    stop: Mapping[str, float],
+    battery: Battery,
+    settings: ChargeSettings,
+    lift_v: float,
 ) -> None:
     """Refuse what is over as it begins: the charge itself, all of its phases, currents never above theirs.
 
     A single phase that is over is skipped, as chargers do, and the outcome says so.
     """
-    resting = resting_voltage_v(battery, settings.initial_soc, settings.ambient_c)
+    resting = resting_voltage_v(battery, settings.initial_soc, settings.start_c) - lift_v
     over: list[str] = []
     for name, phase in mode.phases.items():
         where = f"phases.{name}.until"
@@ -296,10 +303,9 @@ def _met_at_rest(where: str, limits: Mapping[str, float], resting_v: float, sett
     if limits.get("soc", 1.0) <= settings.initial_soc:
         soc = limits["soc"]
         return f"{where}.soc: {soc:g} is met at the start, initial_soc {settings.initial_soc:g}; give more"
-    if limits.get("temperature_c", math.inf) <= settings.ambient_c:
-        return (
-            f"{where}.temperature_c: {limits['temperature_c']:g} degC is not above the ambient's {settings.ambient_c:g}"
-        )
+    if limits.get("temperature_c", math.inf) <= settings.start_c:
+        whose = "ambient's" if settings.initial_temperature_c is None else "battery's at the start,"
+        return f"{where}.temperature_c: {limits['temperature_c']:g} degC is not above the {whose} {settings.start_c:g}"
     return ""
 
 

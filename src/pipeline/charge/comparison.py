@@ -36,13 +36,8 @@ def at_same_mean(mode: Mode, reference_current_a: float) -> Mode:
     if max(needed.values()) - min(needed.values()) > 1e-12 * max(needed.values()):
         raise UserError(f"phases need different charge_a for a mean of {reference_current_a:g} A: {needed}")
     knobs = {name: value for name, value in mode.knobs.items() if name != "charge" + C_RATE}
-    return Mode(
-        title=mode.title,
-        phases=mode.phases,
-        repeat=mode.repeat,
-        stop=mode.stop,
-        **(knobs | {"charge_a": next(iter(needed.values()))}),
-    )
+    fields = {name: getattr(mode, name) for name in mode.model_fields_set if name in Mode.model_fields}
+    return Mode(**(fields | knobs | {"charge_a": next(iter(needed.values()))}))
 
 
 def _charge_current(mode: Mode, waveform: Waveform, where: str, reference_current_a: float) -> float:

@@ -8,8 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from pipeline.cell.circuit import FIRST_PAIR, Cell, enthalpy, hysteresis_at
-from pipeline.cell.curves import value_and_slope
+from pipeline.cell.circuit import Cell, enthalpy, hysteresis_at, pair_ohm
 from pipeline.cell.relaxation import RADAU
 from pipeline.charge.state import (
     CHARGE,
@@ -45,9 +44,7 @@ def pair_stores(cell: Cell, state: NDArray[np.float64]) -> list[float]:
     """Return C v^2 / 2 of each pair, the acceptance pair last, for the whole battery [J]."""
     stores = []
     for k in range(cell.pairs + cell.acceptance):
-        x = float(state[DEPTH])
-        acceptance = k == cell.pairs
-        resistance = cell.acceptance_ohm / x if acceptance else value_and_slope(cell, FIRST_PAIR + k, x)[0]
+        resistance = pair_ohm(cell, k, float(state[DEPTH]), float(state[TEMPERATURE]))
         voltage = float(state[RELAXATIONS + k])
         stores.append(cell.cells * 0.5 * cell.tau_s[k] * voltage * voltage / resistance if resistance > 0 else 0.0)
     return stores

@@ -19,7 +19,7 @@ from pipeline.cell.relaxation import AT_START, LAGRANGE, NODES, RADAU, phi_funct
 from pipeline.charge.nodes import SERIES_BELOW, growth
 from pipeline.charge.plain import BRIEF
 from pipeline.charge.record_keeping import Book, add_plain, passes_mark
-from pipeline.charge.segment import ROUNDING, STAGE_EDGE, Demand
+from pipeline.charge.segment import ROUNDING, STAGE_EDGE
 from pipeline.charge.state import (
     CHARGE,
     DEPTH,
@@ -36,7 +36,9 @@ from pipeline.charge.state import (
     TERMINAL_V,
     TO_AMBIENT,
     VOLTAGE_TIME,
+    Demand,
     Run,
+    lift_at,
     put,
 )
 from pipeline.charge.step import CURRENT_ERROR
@@ -93,7 +95,8 @@ class PairSums(NamedTuple):
 @inlined
 def is_leaking(cell: Cell) -> bool:
     """Tell whether a side reaction and an acceptance pair are all that bends a cell's answer to a current."""
-    return bool(cell.side == 1 and cell.transfer + cell.hysteresis + cell.recombination + cell.thermoneutral == 0)
+    others = cell.transfer + cell.hysteresis + cell.recombination + cell.thermoneutral + cell.warming
+    return bool(cell.side == 1 and others == 0)
 
 
 @kernel
@@ -123,6 +126,7 @@ def leak_across(
     allowed_v = min(limits[1], limits[5]) * (1.0 - ROUNDING)
     if demand.charging:
         allowed_v = min(allowed_v, demand.limit_v)
+    allowed_v += lift_at(demand, state[TEMPERATURE])
     settled, before_v, lines = _settle(cell, run, current, length_s, allowed_v)
     if not settled or _bends(cell, run, current, lines.start_a, tolerance):
         return False
@@ -131,8 +135,11 @@ def leak_across(
     after_v, highest_v, heat = _close_pairs(cell, run, current, lines.start_a, length_s)
     slow_v, drift_v = _close(cell, run, current, length_s, ambient_k, lines, heat)
     highest_v += slow_v + abs(drift_v)
+    allowed_v += min(0.0, demand.lift_v_k * (end[TEMPERATURE] - state[TEMPERATURE]))
     if (
         highest_v > allowed_v
+        or end[TEMPERATURE] > demand.highest_k
+        or end[TEMPERATURE] < demand.lowest_k
         or (demand.charging and cell.cells * highest_v * current > demand.power_w)
         or end[DEPTH] < max(limits[0], max(limits[4], limits[STAGE_EDGE]))
         or max(state[TEMPERATURE], end[TEMPERATURE]) > min(limits[3], limits[7])

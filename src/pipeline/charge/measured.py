@@ -7,9 +7,9 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from pipeline.cell.circuit import Cell
+from pipeline.cell.circuit import REFERENCE_K, Cell
 from pipeline.cell.relaxation import NODES
-from pipeline.charge.program import Program
+from pipeline.charge.program import Program, lift_line
 from pipeline.charge.record_keeping import CHARGE_IN, CHARGE_OUT, ENERGY_IN, ENERGY_OUT, HIGHEST_V, Book
 from pipeline.charge.state import (
     CHARGE,
@@ -30,6 +30,7 @@ from pipeline.charge.state import (
 )
 from pipeline.charge.stride import (
     CHANGES,
+    END,
     FIRST,
     GAINS_FROM,
     PEAK_K,
@@ -127,8 +128,19 @@ def meets_stop(program: Program, stride: Stride, course: int) -> bool:
     volt = highest(seen[0, HIGHEST_V], seen[1, HIGHEST_V], seen[2, HIGHEST_V])
     warm = highest(seen[0, PEAK_K], seen[1, PEAK_K], seen[2, PEAK_K])
     seen_v = max(seen[0, HIGHEST_V], max(seen[1, HIGHEST_V], seen[2, HIGHEST_V]))
-    unseen = seen_v < program.limit_v[course] <= volt
-    return bool(unseen or volt >= min(limits[1], limits[5]) or warm >= min(limits[3], limits[7]))
+    least_v = most_v = 0.0
+    if program.lift_v_k != 0.0:
+        place = stride.place
+        cold = min(place[0, TEMPERATURE], min(place[2, TEMPERATURE], place[END, TEMPERATURE]))
+        hot = max(place[0, TEMPERATURE], max(place[2, TEMPERATURE], place[END, TEMPERATURE]))
+        cold, hot = min(cold, stride.before[TEMPERATURE]), max(hot, stride.before[TEMPERATURE])
+        lift_v, lift_v_k, _, highest_k = lift_line(program, cold)
+        if hot > highest_k:
+            return True
+        one, other = lift_v + lift_v_k * (cold - REFERENCE_K), lift_v + lift_v_k * (hot - REFERENCE_K)
+        least_v, most_v = min(one, other), max(one, other)
+    unseen = seen_v < program.limit_v[course] + most_v and program.limit_v[course] + least_v <= volt
+    return bool(unseen or volt >= min(limits[1], limits[5]) + least_v or warm >= min(limits[3], limits[7]))
 
 
 @inlined

@@ -15,7 +15,7 @@ from pipeline.cell.circuit import (
     Cell,
     side_current,
 )
-from pipeline.cell.curves import value_and_slope
+from pipeline.cell.curves import factor_and_slope, value_and_slope
 from pipeline.charge.state import (
     CURRENT_CONTROL,
     DEPTH,
@@ -73,6 +73,22 @@ def circuit_at(cell: Cell, run: Run, j: int) -> None:
         run.inverse[k, j] = x / cell.acceptance_ohm
         run.resistance[k, j], run.slope[k, j] = resistance, -resistance * reciprocal
         run.bend[k] = 2.0 * resistance * reciprocal * reciprocal
+    if cell.warming == 1:
+        _warm(cell, run, j)
+
+
+@kernel
+def _warm(cell: Cell, run: Run, j: int) -> None:
+    """Multiply the resistances at moment j by what its temperature makes of them: R(s) f(T)."""
+    at, temperature_k = run.at, run.at[T, j]
+    factor, _ = factor_and_slope(cell, 0, temperature_k)
+    at[OHM, j] *= factor
+    run.depth_slope[OHM_SLOPE, j] *= factor
+    for k in range(cell.pairs + cell.acceptance):
+        factor, run.warming[k, j] = factor_and_slope(cell, 1 + k, temperature_k)
+        run.resistance[k, j] *= factor
+        run.slope[k, j] *= factor
+        run.inverse[k, j] /= factor
 
 
 @inlined

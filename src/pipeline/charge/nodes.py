@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 
-from pipeline.cell.circuit import Cell, hysteresis_at, side_current, side_exponent
+from pipeline.cell.circuit import REFERENCE_K, Cell, hysteresis_at, side_current, side_exponent
 from pipeline.charge.moment import charge_transfer
 from pipeline.charge.state import (
     CURRENT_CONTROL,
@@ -158,7 +158,9 @@ def close(cell: Cell, run: Run, control: int, target: float, near: bool) -> None
     if control == CURRENT_CONTROL:
         put(missed, total[0] - target, total[1] - target, total[2] - target, 0.0)
     elif control == VOLTAGE_CONTROL:
-        put(missed, v[0] - target, v[1] - target, v[2] - target, 0.0)
+        k, t = run.lift_v_k, at[T]
+        a, b, c = t[0] - REFERENCE_K, t[1] - REFERENCE_K, t[2] - REFERENCE_K
+        put(missed, v[0] - (target + k * a), v[1] - (target + k * b), v[2] - (target + k * c), 0.0)
     else:
         put(missed, v[0] * total[0] - target, v[1] * total[1] - target, v[2] * total[2] - target, 0.0)
 
@@ -210,12 +212,43 @@ def warm(cell: Cell, run: Run, slot: int, ambient_k: float) -> float:
         heat[2] - (t[2] - ambient_k) * loss,
         heat[3] - (t[3] - ambient_k) * loss,
     )
+    if cell.warming == 1:
+        for j in range(3):
+            _warm_stores(cell, run, j)
     per_heat, start = run.length_s[slot] / cell.heat_capacity_j_k, state[TEMPERATURE]
     t0, t1 = start + per_heat * passed(heat, 0), start + per_heat * passed(heat, 1)
     t2, t3 = start + per_heat * passed(heat, 2), start
     change = max(abs(t0 - t[0]), max(abs(t1 - t[1]), abs(t2 - t[2])))
     put(t, t0, t1, t2, t3)
     return float(change)
+
+
+@inlined
+def per_warmth(cell: Cell, run: Run, k: int, j: int) -> float:
+    """Return what a store C v^2 / 2 = tau v^2 / (2 R f(T)) gives up for each kelvin, over v^2 [A/(V K)]."""
+    return float(0.5 * cell.tau_s[k] * run.inverse[k, j] * run.warming[k, j])
+
+
+@inlined
+def of_stores(cell: Cell, run: Run, j: int) -> float:
+    """Return by how much the net heat at moment j is raised by what its own warming takes from the pairs' stores [1].
+
+    The warming of a battery, dT/dt = heat / C_th, changes the stores of its pairs, whose change is heat again.
+    """
+    given = 0.0
+    for k in range(cell.pairs + cell.acceptance):
+        v = run.state[RELAXATIONS + k] if j == START else run.value[k, j]
+        given += v * v * per_warmth(cell, run, k, j)
+    return float(1.0 / (1.0 - cell.cells * given / cell.heat_capacity_j_k))
+
+
+@inlined
+def _warm_stores(cell: Cell, run: Run, j: int) -> None:
+    """Let the stores of the pairs at a node follow its warming: net heat, and what turns v^2 into heat."""
+    run.at[HEAT, j] *= of_stores(cell, run, j)
+    rate_k_s = run.at[HEAT, j] / cell.heat_capacity_j_k
+    for k in range(cell.pairs + cell.acceptance):
+        run.conductance[k, j] += per_warmth(cell, run, k, j) * rate_k_s
 
 
 @inlined

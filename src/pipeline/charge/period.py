@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from pipeline.cell.circuit import Cell
 from pipeline.charge.leaking import cross_leaking, is_leaking
 from pipeline.charge.plain import cross, is_plain
-from pipeline.charge.program import Program
+from pipeline.charge.program import Program, lift_line
 from pipeline.charge.record_keeping import (
     Book,
     add_step,
@@ -32,7 +32,6 @@ from pipeline.charge.segment import (
     NOTHING,
     TO_CURRENT,
     WATCHED,
-    Demand,
     advance,
     choose_control,
     clear_at_start,
@@ -40,7 +39,7 @@ from pipeline.charge.segment import (
     continue_moment,
     guard_at_start,
 )
-from pipeline.charge.state import DEPTH, Run
+from pipeline.charge.state import DEPTH, TEMPERATURE, Demand, Run
 from pipeline.charge.watching import look_at_start, peak_until, renew_peak
 from pipeline.jit import inlined, kernel, new_record
 
@@ -126,11 +125,17 @@ def run_periods(
                     supply += 1
                     fresh = True
                 run.supplied = supply_power_w[supply] < power_w
+                lift_v, lift_v_k, lowest_k, highest_k = lift_line(program, run.state[TEMPERATURE])
+                run.lift_v_k = lift_v_k
                 demand = Demand(
                     program.current_a[course, segment],
                     program.limit_v[course],
                     min(power_w, supply_power_w[supply]),
                     program.charging[course, segment],
+                    lift_v,
+                    lift_v_k,
+                    lowest_k,
+                    highest_k,
                 )
                 due_s = min(next_sample * interval_s, program.stop_elapsed_s, phase_end_s)
                 if supply + 1 < len(supply_time_s):
@@ -159,7 +164,7 @@ def run_periods(
                     if watched:
                         renew_peak(run, demand.current_a)
                         look_at_start(cell, run, ambient_k)
-                    if not clear_at_start(run, limits):
+                    if not clear_at_start(run, demand, limits):
                         gap, what = guard_at_start(cell, run, demand, limits)
                         if gap <= 0.0 and 0 <= what <= EDGE:
                             reason = what

@@ -14,7 +14,7 @@ from pipeline.cell.circuit import ENTROPIC, FIRST_PAIR, OPEN_CIRCUIT, REFERENCE_
 from pipeline.cell.curves import value_and_slope
 from pipeline.cell.relaxation import phi_functions
 from pipeline.charge.record_keeping import Book, add_plain, passes_mark
-from pipeline.charge.segment import ROUNDING, STAGE_EDGE, Demand
+from pipeline.charge.segment import ROUNDING, STAGE_EDGE
 from pipeline.charge.state import (
     CHARGE,
     DEPTH,
@@ -27,7 +27,9 @@ from pipeline.charge.state import (
     TEMPERATURE,
     TO_AMBIENT,
     VOLTAGE_TIME,
+    Demand,
     Run,
+    lift_at,
 )
 from pipeline.jit import inlined, kernel
 
@@ -38,7 +40,8 @@ BRIEF = 1e-4
 @inlined
 def is_plain(cell: Cell) -> bool:
     """Tell whether all current of a cell is its main current, and no part of its voltage bends with it."""
-    return bool(cell.side + cell.transfer + cell.hysteresis + cell.acceptance + cell.thermoneutral == 0)
+    others = cell.side + cell.transfer + cell.hysteresis + cell.acceptance + cell.thermoneutral
+    return bool(others + cell.warming == 0)
 
 
 @inlined
@@ -82,7 +85,11 @@ def cross(
         allowed_v = min(allowed_v, demand.limit_v)
         if cell.cells * highest_v * current > demand.power_w:
             return False
-    if highest_v > allowed_v or max(start_k, end[TEMPERATURE]) > min(limits[3], limits[7]):
+    end_k = end[TEMPERATURE]
+    lift_v = min(lift_at(demand, start_k), lift_at(demand, end_k))
+    if highest_v > allowed_v + lift_v or max(start_k, end_k) > min(limits[3], limits[7]):
+        return False
+    if end_k > demand.highest_k or end_k < demand.lowest_k:
         return False
     gain[CHARGE], gain[TO_AMBIENT] = current * length_s, ambient_j
     gain[VOLTAGE_TIME] = cell.cells * (slow_v * length_s + passed_vs)

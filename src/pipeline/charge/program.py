@@ -9,14 +9,17 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from pipeline.cell.circuit import ZERO_CELSIUS_K
+from pipeline.cell.circuit import REFERENCE_K, ZERO_CELSIUS_K
 from pipeline.charge.protocol import Course, Protocol
 from pipeline.charge.segment import FIRST_WATCHED, PLACES, STAGE_EDGE, WATCHED
 from pipeline.charge.waveforms import Sampled
+from pipeline.jit import inlined
 
 MOST_SEGMENTS = 3
 # Where a battery counts as full: the kernels keep 1 - SOC above zero.
 _FULL = 1e-12
+# A temperature this far over a clamp is beyond it, so that none is crossed to and fro.
+_CHATTER_K = 1e-9
 # Frequency above which strides over periods pay.
 AVERAGED_ABOVE_HZ = 2.0
 
@@ -39,6 +42,10 @@ class Program(NamedTuple):
     averaged: NDArray[np.bool_]
     power_w: NDArray[np.float64]
     stop_elapsed_s: float
+    lift_v_k: float
+    reference_k: float
+    lowest_k: float
+    highest_k: float
 
 
 def compile_program(protocol: Protocol, cells: int, driver: str) -> Program:
@@ -63,6 +70,10 @@ def compile_program(protocol: Protocol, cells: int, driver: str) -> Program:
         np.array([_averages(course, driver) for course in protocol.courses]),
         np.array([course.values["power_w"] if course.waveform.holds_power else np.inf for course in protocol.courses]),
         protocol.stop.get("elapsed_s", math.inf),
+        protocol.lift.v_per_k_cell,
+        protocol.lift.reference_c + ZERO_CELSIUS_K,
+        protocol.lift.lowest_c + ZERO_CELSIUS_K,
+        protocol.lift.highest_c + ZERO_CELSIUS_K,
     )
     for row, course in enumerate(protocol.courses):
         program.segments[row] = len(course.segments)
@@ -83,6 +94,25 @@ def compile_program(protocol: Protocol, cells: int, driver: str) -> Program:
         program.elapsed_s[row] = course.until.get("elapsed_s", math.inf)
         program.group[row] = course.group
     return program
+
+
+@inlined
+def lift_line(program: Program, temperature_k: float) -> tuple[float, float, float, float]:
+    """Return the straight line that the voltages of a sheet follow at a temperature, and how far it reaches.
+
+    Returns
+    -------
+    What is added per cell at 25 degC [V] and per kelvin [V/K]; lowest and highest temperature of the line [K].
+    """
+    slope = program.lift_v_k
+    if slope == 0.0:
+        return 0.0, 0.0, -math.inf, math.inf
+    if temperature_k >= program.highest_k:
+        return slope * (program.highest_k - program.reference_k), 0.0, program.highest_k - _CHATTER_K, math.inf
+    if temperature_k <= program.lowest_k:
+        return slope * (program.lowest_k - program.reference_k), 0.0, -math.inf, program.lowest_k + _CHATTER_K
+    low_k, high_k = program.lowest_k - _CHATTER_K, program.highest_k + _CHATTER_K
+    return slope * (REFERENCE_K - program.reference_k), slope, low_k, high_k
 
 
 def _averages(course: Course, driver: str) -> bool:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from typing import Any
@@ -35,12 +36,43 @@ class Course:
 
 
 @dataclass(frozen=True)
+class Lift:
+    """What the battery's temperature adds to every voltage of a sheet that is held, not exceeded or reached.
+
+    `v_per_k_cell (T - reference_c)` per cell, T no lower than `lowest_c` and no higher than `highest_c`.
+    """
+
+    v_per_k_cell: float = 0.0
+    reference_c: float = 25.0
+    lowest_c: float = -math.inf
+    highest_c: float = math.inf
+
+    def per_cell_v(self, temperature_c: float) -> float:
+        """Return what is added for one cell [V]."""
+        return self.v_per_k_cell * (min(max(temperature_c, self.lowest_c), self.highest_c) - self.reference_c)
+
+
+def lift_of(mode: Mode) -> Lift:
+    """Return what temperature does to the voltages of a mode."""
+    if mode.temperature_coefficient_v_per_k_cell is None:
+        return Lift()
+    low, high = mode.lowest_compensated_c, mode.highest_compensated_c
+    return Lift(
+        mode.temperature_coefficient_v_per_k_cell,
+        mode.reference_temperature_c,
+        -math.inf if low is None else low,
+        math.inf if high is None else high,
+    )
+
+
+@dataclass(frozen=True)
 class Protocol:
     """A mode in numbers, for one battery; `built_in` names the stops that are the model's and not the sheet's."""
 
     courses: tuple[Course, ...]
     stop: Mapping[str, float]
     built_in: frozenset[str] = frozenset()
+    lift: Lift = field(default_factory=Lift)
 
 
 class Resolver:
@@ -149,9 +181,10 @@ def resolve(mode: Mode, capacity_in_use_ah: float, fills: bool = False, cells: i
             number = turn * len(once) + place
             courses += [replace(course, group=number) for course in group]
     stop = _closed(resolver.optional(mode.stop, "stop"), "stop")
+    lift = lift_of(mode)
     if fills and "soc" not in stop:
-        return Protocol(tuple(courses), {"soc": 1.0} | stop, frozenset({"soc"}))
-    return Protocol(tuple(courses), stop)
+        return Protocol(tuple(courses), {"soc": 1.0} | stop, frozenset({"soc"}), lift)
+    return Protocol(tuple(courses), stop, lift=lift)
 
 
 def _courses(resolver: Resolver, name: str, phase: Phase) -> list[Course]:

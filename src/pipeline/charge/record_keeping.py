@@ -8,7 +8,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from pipeline.cell.circuit import ENTROPIC, OPEN_CIRCUIT, REFERENCE_K, SERIES, Cell, hysteresis_at
+from pipeline.cell.circuit import ENTROPIC, OPEN_CIRCUIT, REFERENCE_K, Cell, hysteresis_at, series_ohm
 from pipeline.cell.curves import value_and_slope
 from pipeline.cell.relaxation import LAGRANGE, response
 from pipeline.charge.moment import charge_transfer
@@ -260,7 +260,7 @@ def write_point(cell: Cell, run: Run, book: Book, window: int, time_s: float, le
         current = main + at_fraction(at[SIDE], theta)
         open_v, _ = value_and_slope(cell, OPEN_CIRCUIT, x)
         entropy, _ = value_and_slope(cell, ENTROPIC, x)
-        ohm, _ = value_and_slope(cell, SERIES, x)
+        ohm = series_ohm(cell, x, temperature)
         eta, _, _ = charge_transfer(cell, x, temperature, main)
         voltage = open_v + entropy * (temperature - REFERENCE_K) + ohm * current + eta
         if cell.hysteresis == 1:

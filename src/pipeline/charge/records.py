@@ -60,6 +60,14 @@ class Phase(Record):
         return written | ({"limit": limit} if limit else {}) | ({"until": until} if until else {})
 
 
+COMPENSATION = (
+    "temperature_coefficient_v_per_k_cell",
+    "reference_temperature_c",
+    "lowest_compensated_c",
+    "highest_compensated_c",
+)
+
+
 class Mode(Record):
     """A charging mode as a lab sheet: knobs at the top, phases that refer to them, and what ends the charge."""
 
@@ -70,6 +78,35 @@ class Mode(Record):
     phases: dict[str, Phase] = Field(min_length=1, description="phases by name, in order")
     repeat: int = Field(1, ge=1, le=10_000, description="how often the phases are run through")
     stop: Until = Field(description="what ends the charge, whichever comes first")
+    temperature_coefficient_v_per_k_cell: float | None = Field(
+        None,
+        ge=-0.1,
+        le=0.1,
+        description="what every voltage held, not exceeded or reached changes by with the battery's temperature, "
+        "negative for lead-acid [V/K]",
+    )
+    reference_temperature_c: float = Field(
+        25.0, ge=-40, le=80, description="temperature at which the voltages hold as written [degC]"
+    )
+    lowest_compensated_c: float | None = Field(None, description="below it they change no further [degC]")
+    highest_compensated_c: float | None = Field(None, description="above it they change no further [degC]")
+
+    @model_validator(mode="after")
+    def _compensation(self) -> Self:
+        low, high = self.lowest_compensated_c, self.highest_compensated_c
+        if low is not None and high is not None and low >= high:
+            raise ValueError(f"lowest_compensated_c {low:g} is not below highest_compensated_c {high:g}")
+        given = {name for name in COMPENSATION if name in self.model_fields_set and getattr(self, name) is not None}
+        coefficient, *others = COMPENSATION
+        if given and coefficient not in given and given & set(others):
+            raise ValueError(f"{sorted(given)[0]} needs {coefficient}; give it, or leave both out")
+        return self
+
+    @model_serializer(mode="wrap")
+    def _as_given(self, handler: SerializerFunctionWrapHandler) -> dict[str, Any]:
+        written: dict[str, Any] = handler(self)
+        absent = self.temperature_coefficient_v_per_k_cell is None
+        return {key: value for key, value in written.items() if key not in COMPENSATION or not absent}
 
     @property
     def knobs(self) -> dict[str, Number]:
@@ -88,10 +125,18 @@ class ChargeSettings(Record):
     """The conditions of a charge and what is kept of it."""
 
     initial_soc: float = Field(ge=0, lt=1, description="state of charge at the start [1]")
-    ambient_c: float = Field(ge=-40, le=80, description="ambient temperature, also the battery's at the start [degC]")
+    ambient_c: float = Field(ge=-40, le=80, description="ambient temperature [degC]")
+    initial_temperature_c: float | None = Field(
+        None, ge=-40, le=80, description="temperature of the battery at the start; the ambient's where not given [degC]"
+    )
     sample_interval_s: float = Field(10.0, gt=0, description="interval of the trace [s]")
     soc_marks: list[float] = Field(default_factory=list, description="states of charge whose times are reported [1]")
     windows: list[Window] = Field(default_factory=list, description="stretches kept at full resolution")
+
+    @property
+    def start_c(self) -> float:
+        """Return the temperature of the battery at the start [degC]."""
+        return self.ambient_c if self.initial_temperature_c is None else self.initial_temperature_c
 
     @model_validator(mode="after")
     def _marks(self) -> Self:

@@ -3,12 +3,11 @@
 from __future__ import annotations
 
 import math
-from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from pipeline.cell.circuit import Cell
+from pipeline.cell.circuit import REFERENCE_K, Cell
 from pipeline.cell.relaxation import MOST_SLOTS, fill
 from pipeline.charge.moment import place_start, solve_start
 from pipeline.charge.state import (
@@ -22,9 +21,11 @@ from pipeline.charge.state import (
     TERMINAL_V,
     TOTAL,
     VOLTAGE_CONTROL,
+    Demand,
     Run,
     T,
     X,
+    lift_at,
     put,
     recall,
     remember,
@@ -37,7 +38,7 @@ from pipeline.jit import inlined, kernel
 ELAPSED, SOC, VOLTAGE, CURRENT, WARM, DROP, RATE = range(7)
 LIMITS = 7
 EDGE = 14
-TO_CURRENT, TO_VOLTAGE, TO_POWER, TO_BYPASS, TO_PAIR, TO_BLOCKED, TO_RELEASED = range(15, 22)
+TO_CURRENT, TO_VOLTAGE, TO_POWER, TO_BYPASS, TO_PAIR, TO_BLOCKED, TO_RELEASED, TO_CLAMP = range(15, 23)
 NOTHING, FAILED = -1, -2
 
 # Places in a row of limits: the edge of a stage, whether drop and rate are watched at all, then these two of the
@@ -49,15 +50,6 @@ _CHATTER = 1e-9
 ROUNDING = 1e-13
 # Error below which the next step may be four times as long.
 _EASY = 0.2**4
-
-
-class Demand(NamedTuple):
-    """What a segment asks for: current of the battery, voltage limit of one cell, power at the terminals."""
-
-    current_a: float
-    limit_v: float
-    power_w: float
-    charging: bool
 
 
 @inlined
@@ -75,13 +67,13 @@ def slot_of(cell: Cell, run: Run, length_s: float) -> int:
 
 @inlined
 def target_of(cell: Cell, demand: Demand, control: int) -> float:
-    """Return what a control holds: current [A], voltage of a cell [V], or power of a cell [W]."""
+    """Return what a control holds: current [A], voltage of a cell at 25 degC [V], or power of a cell [W]."""
     if control == CURRENT_CONTROL:
         return demand.current_a
     if control == BLOCKED:
         return 0.0
     if control == VOLTAGE_CONTROL:
-        return demand.limit_v
+        return demand.limit_v + demand.lift_v
     return float(demand.power_w / cell.cells)
 
 
@@ -105,9 +97,10 @@ def choose_control(cell: Cell, run: Run, demand: Demand) -> bool:
     if not solve_start(cell, run, CURRENT_CONTROL, demand.current_a, demand.current_a):
         return False
     if demand.charging:
-        if at[TERMINAL_V, START] > demand.limit_v:
+        limit_v = demand.limit_v + lift_at(demand, at[T, START])
+        if at[TERMINAL_V, START] > limit_v:
             run.control = VOLTAGE_CONTROL
-            if not solve_start(cell, run, VOLTAGE_CONTROL, demand.limit_v, at[MAIN, START]):
+            if not solve_start(cell, run, VOLTAGE_CONTROL, limit_v, at[MAIN, START]):
                 return False
             if at[TOTAL, START] < 0.0:
                 run.control = BLOCKED
@@ -134,7 +127,10 @@ def continue_moment(cell: Cell, run: Run, demand: Demand) -> bool:
     # The step's own end is the better guess: where next to nothing is accepted, the start's balance is all rounding.
     run.guess_a = run.at[MAIN, 2]
     place_start(cell, run)
-    return solve_start(cell, run, solved_as(run.control), target_of(cell, demand, run.control), run.guess_a)
+    target = target_of(cell, demand, run.control)
+    if run.control == VOLTAGE_CONTROL:
+        target += demand.lift_v_k * (run.at[T, START] - REFERENCE_K)
+    return solve_start(cell, run, solved_as(run.control), target, run.guess_a)
 
 
 @inlined
@@ -147,7 +143,7 @@ def guard_at(cell: Cell, run: Run, demand: Demand, limits: NDArray[np.float64], 
         What is watched beside these is not looked at here.
     """
     at, control = run.at, run.control
-    total, terminal = at[TOTAL, j], at[TERMINAL_V, j]
+    total, terminal, lift_v = at[TOTAL, j], at[TERMINAL_V, j], lift_at(demand, at[T, j])
     least, what = _NEVER, NOTHING
     held = control in (VOLTAGE_CONTROL, BLOCKED)
     for of in range(2):
@@ -155,7 +151,7 @@ def guard_at(cell: Cell, run: Run, demand: Demand, limits: NDArray[np.float64], 
         gap = at[X, j] - limits[base]
         if gap < least:
             least, what = gap, LIMITS * of + SOC
-        gap = limits[base + 1] * (1.0 - ROUNDING) - terminal
+        gap = limits[base + 1] * (1.0 - ROUNDING) + lift_v - terminal
         if gap < least:
             least, what = gap, LIMITS * of + VOLTAGE
         if held and total - limits[base + 2] < least:
@@ -167,7 +163,7 @@ def guard_at(cell: Cell, run: Run, demand: Demand, limits: NDArray[np.float64], 
         least, what = at[X, j] - limits[STAGE_EDGE], EDGE
     if demand.charging:
         if control == BLOCKED:
-            gap = terminal - demand.limit_v * (1.0 - _CHATTER)
+            gap = terminal - lift_v - demand.limit_v * (1.0 - _CHATTER)
             if gap < least:
                 least, what = gap, TO_RELEASED
         elif control == VOLTAGE_CONTROL and total < least:
@@ -177,13 +173,16 @@ def guard_at(cell: Cell, run: Run, demand: Demand, limits: NDArray[np.float64], 
             if gap < least:
                 least, what = gap, TO_CURRENT
         if control != VOLTAGE_CONTROL and control != BLOCKED:
-            gap = demand.limit_v * (1.0 + _CHATTER) - terminal
+            gap = demand.limit_v * (1.0 + _CHATTER) + lift_v - terminal
             if gap < least:
                 least, what = gap, TO_VOLTAGE
         if control != POWER_CONTROL:
             gap = demand.power_w * (1.0 + _CHATTER) - cell.cells * terminal * total
             if gap < least:
                 least, what = gap, TO_POWER
+    gap = min(at[T, j] - demand.lowest_k, demand.highest_k - at[T, j])
+    if gap < least:
+        least, what = gap, TO_CLAMP
     if cell.acceptance == 1:
         if run.bypassed == 1:
             if -at[MAIN, j] < least:
@@ -194,13 +193,13 @@ def guard_at(cell: Cell, run: Run, demand: Demand, limits: NDArray[np.float64], 
 
 
 @inlined
-def clear_at_start(run: Run, limits: NDArray[np.float64]) -> bool:
+def clear_at_start(run: Run, demand: Demand, limits: NDArray[np.float64]) -> bool:
     """Tell whether nothing that ends a phase holds at the start: one look in place of twelve."""
     x, v, t = run.at[X, START], run.at[TERMINAL_V, START], run.at[T, START]
     return bool(
         run.control == CURRENT_CONTROL
         and limits[WATCHED] == 0.0
-        and v < min(limits[1], limits[5]) * (1.0 - ROUNDING)
+        and v < min(limits[1], limits[5]) * (1.0 - ROUNDING) + lift_at(demand, t)
         and x > max(limits[0], max(limits[4], limits[STAGE_EDGE]))
         and t < min(limits[3], limits[7])
     )
@@ -213,15 +212,18 @@ def clear(cell: Cell, run: Run, demand: Demand, limits: NDArray[np.float64]) -> 
         return False
     x, v, t, value = run.at[X], run.at[TERMINAL_V], run.at[T], run.value[cell.pairs]
     highest_v = max(v[0], max(v[1], v[2]))
+    coldest, warmest = min(t[0], min(t[1], t[2])), max(t[0], max(t[1], t[2]))
+    lift_v = min(lift_at(demand, coldest), lift_at(demand, warmest))
     allowed_v = min(limits[1], limits[5]) * (1.0 - ROUNDING)
     if demand.charging:
         allowed_v = min(allowed_v, demand.limit_v)
         if cell.cells * highest_v * demand.current_a > demand.power_w:
             return False
     return bool(
-        highest_v <= allowed_v
+        highest_v <= allowed_v + lift_v
         and min(x[0], min(x[1], x[2])) >= max(limits[0], max(limits[4], limits[STAGE_EDGE]))
-        and max(t[0], max(t[1], t[2])) <= min(limits[3], limits[7])
+        and warmest <= min(min(limits[3], limits[7]), demand.highest_k)
+        and coldest >= demand.lowest_k
         and (cell.acceptance == 0 or min(value[0], min(value[1], value[2])) >= 0.0)
     )
 

@@ -119,13 +119,13 @@ def run(battery: Battery, mode: Mode, supply: Supply, settings: ChargeSettings, 
     cell = compile_cell(battery)
     protocol = resolve(mode, battery.capacity_in_use_ah, battery.fills, battery.cells_in_series)
     program = compile_program(protocol, battery.cells_in_series, engine.driver)
-    state = resting_run(cell, settings.initial_soc, settings.ambient_c + ZERO_CELSIUS_K)
+    state = resting_run(cell, settings.initial_soc, settings.start_c + ZERO_CELSIUS_K)
     start = state["state"].copy()
     book = _book(program, settings, cell)
     book.peak_k[0] = start[TEMPERATURE]
     control = compile_control(protocol, battery.capacity_in_use_ah)
     clock = new_clock(float(settings.sample_interval_s))
-    status = launch(cell, program, control, supply, state, book, clock, float(start[TEMPERATURE]), engine)
+    status = launch(cell, program, control, supply, state, book, clock, settings.ambient_c + ZERO_CELSIUS_K, engine)
     end_s = float(clock["time_s"])
     if status != drive.DONE:
         failed = status == drive.CIRCUIT_FAILED

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from typing import Any
+import math
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from pipeline.cell.circuit import MOST_RELAXATIONS
+from pipeline.cell.circuit import MOST_RELAXATIONS, REFERENCE_K
 from pipeline.cell.relaxation import PASSED, WEIGHT_FIELDS
 from pipeline.jit import inlined, new_record
 
@@ -72,6 +73,8 @@ RUN = np.dtype(
         ("inverse", np.float64, (MOST_RELAXATIONS, 4)),
         ("bend", np.float64, (MOST_RELAXATIONS,)),
         ("conductance", np.float64, (MOST_RELAXATIONS, 4)),
+        # How the logarithm of a pair's resistance changes with temperature [1/K].
+        ("warming", np.float64, (MOST_RELAXATIONS, 4)),
         ("depth_slope", np.float64, (4, 4)),
         ("residual", np.float64, (4,)),
         ("jacobian", np.float64, (3, 4)),
@@ -90,6 +93,8 @@ RUN = np.dtype(
         ("plain", np.float64, (3, MOST_RELAXATIONS, 6)),
         ("leak_start_a", np.float64, (3,)),
         ("guess_a", np.float64),
+        # What a held voltage of one cell changes by with the battery's temperature [V/K].
+        ("lift_v_k", np.float64),
         ("relaxed_v", np.float64),
         ("segment", np.int64),
         ("place", np.int64),
@@ -163,3 +168,26 @@ def remember(run: Run, length_s: float) -> None:
     put(last[4:], t[0] - start, t[1] - start, t[2] - start, t[3] - start)
     last[8], last[9] = length_s, run.control
     run.place += 1
+
+
+class Demand(NamedTuple):
+    """What a segment asks for: current of the battery, voltage limit of one cell, power at the terminals.
+
+    The battery's temperature lifts every voltage of the sheet: by `lift_v` at 25 degC and `lift_v_k` for each kelvin
+    above, between the lowest and the highest temperature, where another line begins.
+    """
+
+    current_a: float
+    limit_v: float
+    power_w: float
+    charging: bool
+    lift_v: float = 0.0
+    lift_v_k: float = 0.0
+    lowest_k: float = -math.inf
+    highest_k: float = math.inf
+
+
+@inlined
+def lift_at(demand: Demand, temperature_k: float) -> float:
+    """Return what the temperature adds to the voltages of the sheet, per cell [V]."""
+    return demand.lift_v + demand.lift_v_k * (temperature_k - REFERENCE_K)

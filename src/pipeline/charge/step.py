@@ -13,7 +13,7 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from pipeline.cell.circuit import Cell
+from pipeline.cell.circuit import REFERENCE_K, Cell
 from pipeline.cell.relaxation import AT_START, PASSED
 from pipeline.charge.energy import finish
 from pipeline.charge.moment import circuit_at
@@ -175,13 +175,13 @@ def integrate(
     Arguments
     ---------
     run : `at[MAIN, :3]` and `at[T, :3]` hold the guess on entry, the solution on return; `end` and `gain` are written.
-    target : current [A] and power [W] of the battery, or voltage [V] of one cell.
+    target : current [A] and power [W] of the battery, or voltage of one cell at 25 degC [V].
     bypassed : the acceptance pair is discharged and the current is not charging it.
     """
     at, main, missed = run.at, run.at[MAIN], run.residual
     per_charge = run.length_s[slot] / cell.charge_as
     for _ in range(_ITERATIONS):
-        run.near = per_charge * _largest(main) < NEAR * run.state[DEPTH]
+        run.near = cell.warming == 0 and per_charge * _largest(main) < NEAR * run.state[DEPTH]
         if not move(run, per_charge):
             return False
         if run.near:
@@ -206,7 +206,9 @@ def integrate(
         if worst < _NEWTON * largest and warmed < _WARMING_K:
             finish(cell, run, slot, bypassed, ambient_k)
             if control == VOLTAGE_CONTROL:
-                put(at[TERMINAL_V], target, target, target, at[TERMINAL_V, 3])
+                k, t = run.lift_v_k, at[T]
+                a, b, c = t[0] - REFERENCE_K, t[1] - REFERENCE_K, t[2] - REFERENCE_K
+                put(at[TERMINAL_V], target + k * a, target + k * b, target + k * c, at[TERMINAL_V, 3])
             return True
     return False
 

@@ -61,7 +61,7 @@ def summarise(
         "energy_efficiency": _ratio(of_path["chemical"], net_j) if put_in else None,
         "system_efficiency": _ratio(of_path["chemical"], totals[ENERGY_IN]) if put_in else None,
         "peak_temperature_c": peak_k - ZERO_CELSIUS_K,
-        "peak_temperature_rise_k": peak_k - start[TEMPERATURE],
+        "peak_temperature_rise_k": peak_k - (settings.ambient_c + ZERO_CELSIUS_K),
         "end_temperature_c": end[TEMPERATURE] - ZERO_CELSIUS_K,
         "peak_temperature_rate_k_s": _peak_rate_k_s(outcome),
         "mean_current_a": net_as / outcome.end_s if outcome.end_s else 0.0,
@@ -91,7 +91,7 @@ def _marks(outcome: Outcome, settings: ChargeSettings) -> list[Quantity]:
     rows: list[Quantity] = []
     for mark, (_, time_s, temperature_k) in zip(sorted(settings.soc_marks), outcome.book.marks, strict=True):
         reached, of = bool(np.isfinite(time_s)), {"mark": f"{mark:g}"}
-        rise = float(temperature_k - outcome.start[TEMPERATURE])
+        rise = float(temperature_k - (settings.ambient_c + ZERO_CELSIUS_K))
         rows += [
             _number("time_to_soc_{mark}_s", float(time_s) if reached else None, **of),
             _number("temperature_rise_at_soc_{mark}_k", rise if reached else None, **of),

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from pipeline.cell.circuit import Cell
 from pipeline.cell.relaxation import LAGRANGE
+from pipeline.charge.nodes import of_stores
 from pipeline.charge.state import (
     BLOCKED,
     ENTROPY,
@@ -53,6 +54,8 @@ def look_at_start(cell: Cell, run: Run, ambient_k: float) -> None:
     if cell.recombination == 1:
         heat += run.state[RELAXATIONS + cell.relaxations - 1] * cell.gas_v
     run.start_heat_w = cell.cells * heat - (at[T, START] - ambient_k) / cell.thermal_resistance_k_w
+    if cell.warming == 1:
+        run.start_heat_w *= of_stores(cell, run, START)
 
 
 @kernel

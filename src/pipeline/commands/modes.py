@@ -7,6 +7,7 @@ from collections.abc import Iterator, Mapping, Sequence
 
 from pydantic import BaseModel
 
+from pipeline.charge.records import COMPENSATION, Mode
 from pipeline.charge.waveforms import WAVEFORMS, Limit, Until
 from pipeline.config.compose import options
 
@@ -29,6 +30,9 @@ def main(arguments: Sequence[str]) -> int:
     for name, record in WAVEFORMS.items():
         print("\n".join(lines(name, record)))
     print("\n".join(["", *lines("limit", Limit), *lines("until, stop", Until)]))
+    print("\n  beside the phases, at the top of the sheet:")
+    for key in COMPENSATION:
+        print(f"    {key:<38}{Mode.model_fields[key].description}")
     print(f"\nmodes in conf/modes: {', '.join(options('modes'))}")
     return 0
 

@@ -229,7 +229,7 @@ def still_to_run(sheet: Protocol, place: Place, until_s: float, alone: bool = Fa
         if course.group == group and "elapsed_s" in until:
             until["elapsed_s"] = max(0.0, until["elapsed_s"] - place.used_s)
         courses.append(replace(course, until=until))
-    return Protocol(tuple(courses), {**sheet.stop, "elapsed_s": until_s})
+    return replace(sheet, courses=tuple(courses), stop={**sheet.stop, "elapsed_s": until_s})
 
 
 def resume(place: Place, run: Run, control: Control) -> None:
@@ -291,7 +291,7 @@ class Log:
         first = place.course
         why = place.why or _SURPLUS.format(self.switching.start_power_w)
         # A phase is said to end after the time its sheet gives it, not after what a pause left of that.
-        asked = replace(outcome, protocol=Protocol(sheet.courses[first:], outcome.protocol.stop))
+        asked = replace(outcome, protocol=replace(outcome.protocol, courses=sheet.courses[first:]))
         group, spent_s = sheet.courses[first].group, place.used_s
         for number, row in enumerate(rows):
             course = sheet.courses[first + int(row[7])]

@@ -15,6 +15,7 @@ from pipeline.kernel.experiment import FOUND, Experiment, Label, Node, Step
 from pipeline.kernel.scope import below
 from pipeline.kernel.tables import TableFile
 
+_TEMPERATURES = ("charge.ambient_c", "charge.initial_temperature_c")
 _VARIED = ("battery", "modes", "charge")
 SECOND = "second_charge"
 """Kind of the charges of the second battery."""
@@ -167,7 +168,7 @@ EXPERIMENT = Experiment(
     steps=(ENGINE, CHARGED, SAMPLED),
     nodes=nodes,
     part=ChargesPart,
-    parameters=("battery", "second_battery", "modes.*", "charge.initial_soc", "charge.ambient_c"),
+    parameters=("battery", "second_battery", "modes.*", "charge.initial_soc", *_TEMPERATURES),
     refers={"run": "modes", "comparisons.*.mean_current_of": "modes"},
     prepare=prepare,
     checks=(check_modes,),

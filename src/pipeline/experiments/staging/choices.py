@@ -114,6 +114,16 @@ def check(study: Any) -> None:
                     f"{path}.{part}: stage currents are searched for batteries of resistances and pairs alone; "
                     "take another battery, or leave staging out"
                 )
+        if any(warmth is not None for warmth in battery.warmths):
+            raise UserError(
+                f"{path}.series_resistance_temperature: stage currents are searched for resistances that do not depend "
+                "on temperature; take another battery, or leave staging out"
+            )
+    if study.charge.start_c != study.charge.ambient_c:
+        raise UserError(
+            f"charge.initial_temperature_c: {study.charge.start_c:g} degC; stage currents are searched for a battery "
+            f"that begins at the ambient's {study.charge.ambient_c:g}; leave it out, or leave staging out"
+        )
     stages = len(plan.currents_a)
     for name in staging.searches:
         search_of(staging, name, stages)

@@ -133,6 +133,8 @@ def _check(battery: Battery, edges: Sequence[float]) -> None:
     for part in ("side_reaction", "acceptance", "charge_transfer"):
         if getattr(battery, part) is not None:
             raise ValueError(f"battery has {part}; stages are searched for batteries of resistances and pairs alone")
+    if any(warmth is not None for warmth in battery.warmths):
+        raise ValueError("battery has resistances that depend on temperature; stages are searched without")
     for name, pair in battery.pairs.items():
         if isinstance(pair.resistance_ohm, Logarithm | Root):
             raise ValueError(f"pairs.{name}.resistance_ohm must be a number, a polynomial or a table")

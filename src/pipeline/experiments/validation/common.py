@@ -90,6 +90,10 @@ def reduced(battery: Battery) -> Battery:
         "hysteresis": None,
         "thermoneutral_voltage_v": None,
         "entropic_coefficient_v_k": 0.0,
+        "series_resistance_temperature": None,
+        "pairs": {
+            name: pair.model_copy(update={"resistance_temperature": None}) for name, pair in battery.pairs.items()
+        },
     }
     found = battery.model_copy(update=plain)
     circuit(found)
