@@ -10,7 +10,7 @@ import contextlib
 import json
 import os
 import time
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
@@ -113,15 +113,38 @@ def drop_broken(
 
 
 def faults(results: Path) -> Iterator[str]:
-    """Yield what is wrong with the receipts in a folder; views that show another run by now are no fault."""
+    """Yield what is wrong with the receipts in a folder, or missing of what they stand for.
+
+    Views that show another run by now are no fault; the content of files is not read.
+    """
     said: list[str] = []
     check = _Check(results, False, said.append, look=True)
     for path in sorted((results / "receipts").glob("*/*.json")):
         if path.name.startswith("."):
             continue
         said.clear()
-        if not check.honours(path, path.parent.name):
+        if not check.honours(path, path.parent.name, files=False):
             yield from (f"{path}: {line}" for line in said)
+
+
+def forget(results: Path, artefacts: Collection[str]) -> int:
+    """Delete the receipts of artefacts that were removed on purpose; return how many.
+
+    Arguments
+    ---------
+    artefacts : step/key of each.
+    """
+    gone = 0
+    for path in (results / "receipts").glob("*/*.json"):
+        try:
+            keys = json.loads(path.read_text(encoding="utf-8"))["artefacts"]
+            stale = any(f"{path.parent.name}/{key}" in artefacts for key in keys)
+        except _UNREADABLE:
+            continue
+        if stale:
+            path.unlink(missing_ok=True)
+            gone += 1
+    return gone
 
 
 class _Check:
@@ -134,15 +157,20 @@ class _Check:
         self._look = look
         self._now = time.time_ns()
 
-    def honours(self, path: Path, step: str) -> bool:
-        """Tell whether all that a receipt stands for is there, as it was sealed; say what is not, move it away."""
+    def honours(self, path: Path, step: str, files: bool = True) -> bool:
+        """Tell whether all that a receipt stands for is there, as it was sealed; say what is not, move it away.
+
+        Arguments
+        ---------
+        files : look at each file too, not only at the lists of them.
+        """
         try:
             made = self._read(path, step)
             for key, listed in made["artefacts"].items():
                 self._sealed(step, key, listed)
             for manifest, kept in made["views"].items():
                 self._shows(self._results.parent / manifest, kept)
-            return self._unchanged(path, made)
+            return not files or self._unchanged(path, made)
         except Broken as broken:
             if str(broken):
                 self._say(str(broken))
