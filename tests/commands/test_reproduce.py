@@ -16,7 +16,7 @@ from pipeline.errors import UserError
 from pipeline.experiments.charges.tables import CHARGE
 from pipeline.experiments.frequency.tables import CHAOS
 from pipeline.kernel import digest, tables
-from pipeline.published.evaluate import COLUMNS, VERDICTS
+from pipeline.published.evaluate import VERDICTS
 
 MACHINE = {"cpu": "one", "python": "3.11"}
 PHASE = {
@@ -30,10 +30,9 @@ PHASE = {
 }
 ORBIT = {"r": np.full(3, 4.0), "step": np.arange(3), "value": [0.1, 0.36, 0.9216]}
 NUMBERS = {"quantity": ["capacity_ah", "none_v"], "value": [7.0, None], "unit": ["A h", "V"], "description": ["", ""]}
-VERDICT = {name: ["x"] for name in COLUMNS} | {
+VERDICT = {column.name: ["x"] if column.kind == "text" else [None] for column in VERDICTS.columns} | {
     "statement": ["warmer"],
     "verdict": ["holds"],
-    **{name: [None] for name in ("published_value", "computed_value", "tolerance", "margin", "robust_share")},
 }
 
 

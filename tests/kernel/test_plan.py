@@ -53,7 +53,7 @@ def _swap_figures(tree: dict[str, Any]) -> None:
     ("change", "expected"),
     [
         (_same, set()),
-        (_swap_phases, {*HOURLY, *DAYS, "ensemble", "page"}),
+        (_swap_phases, {*HOURLY, *DAYS, "page"}),
         (_resource, {"page"}),
         (_swap_figures, {"page"}),
     ],
@@ -89,5 +89,5 @@ def test_a_value_calibrated_in_the_reference_mode_reaches_the_modes_compared_wit
 
 def test_an_overridden_leader_leaves_its_followers_alone() -> None:
     nodes = {node.name: node for node in drafts(study_from(compose_tree(["modes.cv_reflex.max_current_a=2.5"])))}
-    assert "modes.cv_reflex.charge_a" not in nodes["ensemble"].settings["followers"]
-    assert "modes.cv_pulse.charge_a" in nodes["ensemble"].settings["followers"]
+    assert "modes.cv_reflex.charge_a" not in nodes["ensemble/charge"].settings["estimated"]["followers"]
+    assert "modes.cv_pulse.charge_a" in nodes["ensemble/charge"].settings["estimated"]["followers"]

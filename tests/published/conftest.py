@@ -13,6 +13,7 @@ import yaml
 from pipeline.experiments.reporting.verdicts import samples
 from pipeline.published.artefacts import Lookup
 from pipeline.published.records import Statement
+from pipeline.published.words import PARAMETERS
 from pipeline.quantity import Quantity
 from tests import making
 
@@ -104,9 +105,13 @@ def write_quantities(step: str, folder: Path, numbers: Numbers) -> None:
     making.output(step, folder).numbers([Quantity(name, value, unit(name), "") for name, value in numbers.items()])
 
 
-def write_ensemble(folder: Path, samples: list[Mapping[tuple[str, str, str], float]]) -> None:
-    """Write an ensemble from (comparison, mode, quantity) -> value, one mapping per sample."""
-    rows = [(number, *key, value) for number, sample in enumerate(samples) for key, value in sample.items()]
+def write_ensemble(folder: Path, samples: list[Mapping[str, float | None]], of: str = PARAMETERS) -> None:
+    """Write an ensemble from operand in one line -> value, a mapping a point; none where no battery can be so."""
+    rows = [
+        (number, operand, value, int(value is not None), of)
+        for number, sample in enumerate(samples)
+        for operand, value in sample.items()
+    ]
     making.output("ensemble", folder).rows("ensemble", rows)
 
 
@@ -134,10 +139,12 @@ def lookup(tmp_path: Path) -> Callable[..., Lookup]:
 
 @pytest.fixture
 def ensemble(tmp_path: Path) -> Callable[..., list[Any]]:
-    """Return a maker of ensembles: written as their step writes them, read as verdicts read them."""
+    """Return a maker of ensembles: written as their steps write them, read as verdicts read them."""
 
-    def make(found: list[Any]) -> list[Any]:
-        write_ensemble(tmp_path / "ensemble", found)
-        return samples(making.inputs({"ensemble": tmp_path / "ensemble"}))
+    def make(nominal: Lookup, *found: list[Any], of: str = PARAMETERS) -> list[Any]:
+        folders = {f"ensemble/{number}": tmp_path / f"ensemble_{number}" for number in range(len(found))}
+        for folder, one in zip(folders.values(), found, strict=True):
+            write_ensemble(folder, one, of)
+        return samples(making.inputs(folders), nominal)
 
     return make

@@ -13,7 +13,7 @@ from pipeline.kernel import tables
 from pipeline.published.artefacts import Lookup
 from pipeline.published.evaluate import VERDICTS, evaluate
 from pipeline.published.records import Statement
-from pipeline.published.words import Robust, counted, word
+from pipeline.published.words import RESAMPLED, SEEDS, Robust, counted, word
 from tests.published.conftest import FALSE
 
 CC, REFLEX = "charge/p/cc_cv", "charge/p/cv_reflex"
@@ -177,43 +177,101 @@ def test_an_endless_time_leaves_no_infinity_in_the_table(lookup: Callable[..., L
     assert "never" in found["explanation"]
 
 
-def sample(reflex_k: float, cc_k: float = 5.0) -> dict[tuple[str, str, str], float]:
-    return {("p", "cc_cv", "rise_k"): cc_k, ("p", "cv_reflex", "rise_k"): reflex_k}
+RISES = (f"rise_k of {CC}.summary", f"rise_k of {REFLEX}.summary")
 
 
-def test_robust_share_counts_the_samples_in_which_the_claim_holds(
-    lookup: Callable[..., Lookup], ensemble: Callable[..., list[Any]]
+def sample(reflex_k: float | None, cc_k: float = 5.0) -> dict[str, float | None]:
+    return dict(zip(RISES, (cc_k, reflex_k), strict=True))
+
+
+Maker = Callable[..., list[Any]]
+
+
+def test_robust_share_counts_the_points_in_which_the_claim_holds(
+    lookup: Callable[..., Lookup], ensemble: Maker
 ) -> None:
-    samples = [sample(4.0), sample(6.0), sample(4.9), sample(3.0, 2.0), sample(math.nan)]
-    found = row(statement(), lookup(summaries(6.0)), samples=ensemble(samples))
+    nominal = lookup(summaries(6.0))
+    points = ensemble(nominal, [sample(4.0), sample(6.0), sample(4.9), sample(3.0, 2.0), sample(math.nan)])
+    found = row(statement(), nominal, samples=points)
     assert (found["verdict"], found["robust_share"], found["robust_points"]) == ("undecided", 0.4, 5)
     assert found["robust_low"] < 0.4 < found["robust_high"]
     assert "2 of 5 points of the estimated parameters" in found["explanation"]
     assert "1 of the others without an answer" in found["explanation"]
 
 
+def test_impossible_points_are_left_out_and_counted(lookup: Callable[..., Lookup], ensemble: Maker) -> None:
+    nominal = lookup(summaries(6.0))
+    points = ensemble(nominal, [sample(4.0), sample(None), sample(4.9), sample(None), sample(6.0)])
+    found = row(statement(), nominal, samples=points)
+    assert (found["robust_share"], found["robust_points"], found["robust_left_out"]) == (2 / 3, 3, 2)
+    assert "2 left out as impossible" in found["explanation"]
+    nowhere = row(statement(), nominal, samples=ensemble(nominal, [sample(None)]))
+    assert (nowhere["robust_share"], nowhere["verdict"]) == (None, "not reproduced")
+
+
 @pytest.mark.parametrize(
     "fields",
     [
         {"basis": "paper_data"},
+        {"basis": "mathematics"},
+        {"basis": "search"},
         {"check": {"less": {"value": "max_power_w of panel where irradiance_w_m2=200", "than": 40}}},
-        {"check": {"less": {"value": f"end_s of {CC}.phases where phase=bulk", "than": f"rise_k of {CC}"}}},
-        {"check": {"less": {"value": f"other_k of {REFLEX}", "than": f"rise_k of {CC}"}}},
+        {"check": {"less": {"value": f"other_k of {REFLEX}", "than": 40}}},
     ],
-    ids=["paper data", "no charge", "another table", "a quantity the ensemble lacks"],
+    ids=["paper data", "mathematics", "a search, which no parameter answers", "no charge", "a number it lacks"],
 )
 def test_no_robust_share_where_the_ensemble_does_not_answer(
-    lookup: Callable[..., Lookup], ensemble: Callable[..., list[Any]], fields: dict[str, Any]
+    lookup: Callable[..., Lookup], ensemble: Maker, fields: dict[str, Any]
 ) -> None:
-    charges = {CC: {"rise_k": 5.0}, REFLEX: {"rise_k": 4.0, "other_k": 1.0}}
-    found = row(statement(**fields), lookup(charges), samples=ensemble([sample(4.0)]))
+    nominal = lookup({CC: {"rise_k": 5.0}, REFLEX: {"rise_k": 4.0, "other_k": 1.0}})
+    found = row(statement(**fields), nominal, samples=ensemble(nominal, [sample(4.0)]))
     assert found["robust_share"] is None
 
 
-def test_what_does_not_vary_keeps_its_value_in_every_sample(
-    lookup: Callable[..., Lookup], ensemble: Callable[..., list[Any]]
-) -> None:
+@pytest.mark.parametrize("of", [SEEDS, RESAMPLED])
+def test_a_claim_on_a_search_is_asked_of_other_seeds(lookup: Callable[..., Lookup], ensemble: Maker, of: str) -> None:
+    nominal = lookup(summaries(4.0))
+    points = ensemble(nominal, [sample(6.0), sample(4.0), sample(6.0)], of=of)
+    found = row(statement(basis="search"), nominal, samples=points)
+    assert (found["verdict"], found["robust_share"]) == ("undecided", 1 / 3)
+    assert f"1 of 3 {of}" in found["explanation"]
+    assert row(statement(), nominal, samples=points)["robust_share"] is None
+
+
+def test_what_does_not_vary_keeps_its_value_in_every_point(lookup: Callable[..., Lookup], ensemble: Maker) -> None:
     value = {"product": [f"rise_k of {REFLEX}", "max_power_w of panel where irradiance_w_m2=200"]}
-    samples = [sample(1.0), sample(2.0), sample(3.0), sample(4.0)]
+    nominal = lookup(summaries(1.0))
+    points = ensemble(nominal, [sample(1.0), sample(2.0), sample(3.0), sample(4.0)])
     stated = statement(check={"less": {"value": value, "than": 30}})
-    assert row(stated, lookup(summaries(1.0)), samples=ensemble(samples))["robust_share"] == 0.5
+    assert row(stated, nominal, samples=points)["robust_share"] == 0.5
+
+
+def test_points_of_two_ensembles_are_the_same_points(lookup: Callable[..., Lookup], ensemble: Maker) -> None:
+    """What two ensembles answer together counts in the points that both have; one of them has fewer."""
+    nominal = lookup(summaries(6.0))
+    cc = [{RISES[0]: 5.0}, {RISES[0]: 5.0}, {RISES[0]: 1.0}, {RISES[0]: 9.0}]
+    reflex = [{RISES[1]: 4.0}, {RISES[1]: 6.0}, {RISES[1]: 2.0}]
+    found = row(statement(), nominal, samples=ensemble(nominal, cc, reflex))
+    assert (found["robust_share"], found["robust_points"]) == (1 / 3, 3)
+
+
+def test_a_time_without_an_end_is_longer_than_any(lookup: Callable[..., Lookup], ensemble: Maker) -> None:
+    quantity = "time_to_soc_0.95_s"
+    check = {"less": {"value": f"{quantity} of {CC}", "than": f"{quantity} of {REFLEX}"}}
+    nominal = lookup({CC: {quantity: 5000.0}, REFLEX: {quantity: 6000.0}})
+    names = [f"{quantity} of {name}.summary" for name in (CC, REFLEX)]
+    points = [{names[0]: 5000.0, names[1]: math.nan}, {names[0]: math.nan, names[1]: 5000.0}]
+    found = row(statement(check=check, unit="s"), nominal, samples=ensemble(nominal, points))
+    assert found["robust_share"] == 0.5
+
+
+def test_a_value_at_a_time_is_one_number_of_a_point(lookup: Callable[..., Lookup], ensemble: Maker) -> None:
+    moment = {"value": f"soc of {REFLEX}.trace", "time": f"time_s of {CC}"}
+    nominal = lookup({CC: {"time_s": 5000.0}, REFLEX: {"rise_k": 1.0}})
+    name = f"soc of {REFLEX}.trace at time_s of {CC}.summary"
+    found = row(
+        statement(check={"less": {"value": {"at_time": moment}, "than": 0.6}}),
+        nominal,
+        samples=ensemble(nominal, [{name: 0.5}, {name: 0.7}]),
+    )
+    assert (found["met"], found["robust_share"]) == ("yes", 0.5)

@@ -54,6 +54,7 @@ def _opened(project: Project, step: str, tmp_path: Path) -> set[Path]:
 # The steps of the study that the copied project has; those of others are watched where these are run.
 STEPS = (
     "panel", "supply", "chaos", "objective", "tuning", "search", "engine", "charge", "ensemble", "weather", "daylight",
+    "objective_ensemble", "search_ensemble", "switched_ensemble",
     "day", "tracking", "converters", "verdicts", "figures", "page",
 )  # fmt: skip
 

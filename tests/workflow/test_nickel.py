@@ -20,7 +20,7 @@ from tests.workflow.test_declared_files import opens_only_what_it_declared
 
 pytestmark = [pytest.mark.workflow, pytest.mark.slow]
 
-FEWER = ("trade_off.c_rates=[4.0,8.0]", "ensemble.samples=1")
+FEWER = ("trade_off.c_rates=[4.0,8.0]", "ensemble={points:2,slow_points:2,experiments:2}")
 
 
 @pytest.fixture(scope="module")

@@ -13,7 +13,7 @@ from tests.workflow.conftest import Project, rules
 pytestmark = [pytest.mark.workflow, pytest.mark.slow]
 SUPPLY = {"fit_panel", "power_supply", "try_trackers", "follow_daylight"}
 AFTER_CHARGES = {"switch_converters", "judge_statements", "draw_figures", "write_page", "publish_run"}
-CHARGES = {"charge_battery", "charge_ensemble", "charge_over_day"}
+CHARGES = {"charge_battery", "charge_ensemble", "switch_over_estimates", "charge_over_day"}
 
 
 def test_a_second_run_has_nothing_to_do(project: Project) -> None:
@@ -22,7 +22,7 @@ def test_a_second_run_has_nothing_to_do(project: Project) -> None:
 
 def test_an_edited_battery_value_charges_again_and_fits_no_panel(restored: Project) -> None:
     restored.edit("conf/battery/lead_acid_12v7ah.yaml", "heat_capacity_j_k: 2100", "heat_capacity_j_k: 2150")
-    assert set(restored.planned()) == CHARGES | AFTER_CHARGES
+    assert set(restored.planned()) == CHARGES | {"loss_over_estimates"} | AFTER_CHARGES
 
 
 def test_an_edited_panel_value_fits_it_again(restored: Project) -> None:
@@ -66,7 +66,7 @@ def test_an_edited_algorithm_searches_again(restored: Project) -> None:
     path = restored.folder / "src/pipeline/search/algorithms/sweep.py"
     path.write_text(path.read_text() + "\n\nANOTHER = 1\n")
     planned = restored.planned()
-    assert {"search_frequency", "charge_battery", "charge_over_day", *AFTER_CHARGES} == set(planned)
+    assert {"search_frequency", "search_with_other_seeds", *CHARGES, *AFTER_CHARGES} == set(planned)
 
 
 def test_an_edited_comment_runs_nothing(restored: Project) -> None:

@@ -11,12 +11,11 @@ import numpy as np
 from pipeline.errors import UserError, best_matches
 from pipeline.kernel.artefacts import Inputs
 from pipeline.kernel.tables import TableFile
-from pipeline.published.operands import Value
+from pipeline.published.operands import Value, text
 from pipeline.published.reference import PRINTED, REFERENCE, is_named, kind, read_csv
+from pipeline.record import Record
 
 Columns = dict[str, np.ndarray[Any, Any]]
-Key = tuple[str, str, str]
-"""A named number: its artefact, table and quantity."""
 
 
 class Unanswerable(Exception):
@@ -40,6 +39,9 @@ class Reader(Protocol):
 
     def unit(self, value: Value) -> str | None:
         """Return the unit of a value as its table declares it; none where it declares none."""
+
+    def held(self, operand: float | Record) -> float | None:
+        """Return the number of an operand that need not be looked up; none where it must."""
 
 
 class Lookup:
@@ -87,6 +89,10 @@ class Lookup:
         found = {str(unit) for unit in data["unit"][rows]}
         return found.pop() or "1" if len(found) == 1 else None
 
+    def held(self, operand: float | Record) -> float | None:
+        """Return nothing: every operand is looked up."""
+        return None
+
     def number(self, value: Value) -> float:
         """Return one number; an empty time among named numbers is infinite: what it waits for did not happen."""
         found = self.column(value)
@@ -123,22 +129,27 @@ class Lookup:
         return data[declared.time][rows], _column(value, value.quantity, data)[rows]
 
 
+class Impossible(Unanswerable):
+    """A point of the estimated parameters that no battery can have."""
+
+
 class Sample(Lookup):
-    """The artefacts with some of their named numbers as one sample of the estimated parameters has them.
+    """The artefacts, with some of the numbers that statements read as one point of the estimated parameters has them.
 
     Arguments
     ---------
     nominal : the artefacts.
-    numbers : the numbers of the sample.
+    numbers : operand in one line -> its number; NaN where it has none, nothing where no battery can be as the point.
+    of : what the points are.
     """
 
-    def __init__(self, nominal: Lookup, numbers: Mapping[Key, float]) -> None:
+    def __init__(self, nominal: Lookup, numbers: Mapping[str, float | None], of: str) -> None:
         self._nominal = nominal
         self.numbers = numbers
-        self._varied = {(kind(artefact), table) for artefact, table, _ in numbers}
+        self.of = of
 
     def table(self, artefact: str, name: str) -> Columns:
-        """Return a table that does not vary over the samples."""
+        """Return a table that does not vary over the points."""
         return self._nominal.table(artefact, name)
 
     def declared(self, value: Value) -> TableFile | None:
@@ -149,18 +160,20 @@ class Sample(Lookup):
         """Return the unit of a value."""
         return self._nominal.unit(value)
 
-    def column(self, value: Value) -> np.ndarray[Any, Any]:
-        """Return a column; the numbers of tables that vary come from the sample."""
-        if (kind(value.artefact), value.table) not in self._varied:
-            return super().column(value)
-        if key(value) not in self.numbers:
-            raise Unanswerable(f"{value} is not in the ensemble")
-        return np.array([self.numbers[key(value)]])
-
-
-def key(value: Value) -> Key:
-    """Return the key of a named number."""
-    return value.artefact, value.table, value.quantity
+    def held(self, operand: float | Record) -> float | None:
+        """Return the number of an operand in this point; an empty time is infinite, as in `Lookup.number`."""
+        name = text(operand)
+        if name not in self.numbers:
+            return None
+        found = self.numbers[name]
+        if found is None:
+            raise Impossible(f"{name}: no battery can be so")
+        if not np.isnan(found):
+            return found
+        declared = self.declared(operand) if isinstance(operand, Value) else None
+        if isinstance(operand, Value) and declared and is_named(declared.table) and self.unit(operand) == "s":
+            return float("inf")
+        raise Unanswerable(f"{name} is empty")
 
 
 def _chosen(value: Value, data: Columns) -> np.ndarray[Any, Any]:

@@ -3,16 +3,16 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Collection, Iterable, Mapping
+from collections.abc import Collection, Mapping, Sequence
 from typing import Any
 
 from pipeline.kernel.tables import Column, Table
-from pipeline.published.artefacts import Key, Lookup, Sample, Unanswerable, key
+from pipeline.published.artefacts import Impossible, Lookup, Sample, Unanswerable
+from pipeline.published.operands import atoms, text
 from pipeline.published.predicates import Outcome, apply, number
-from pipeline.published.records import Size, Statement, read_tables, read_values
-from pipeline.published.reference import kind
+from pipeline.published.records import Size, Statement
 from pipeline.published.wording import Wording
-from pipeline.published.words import WORDS, Robust, word
+from pipeline.published.words import PARAMETERS, RESAMPLED, SEEDS, WORDS, Robust, word
 
 VERDICTS = Table(
     "verdicts",
@@ -56,7 +56,7 @@ def evaluate(
     statements: Mapping[str, Statement],
     artefacts: Lookup,
     calibrated_to: Collection[str] = (),
-    ensemble: Iterable[Mapping[Key, float]] = (),
+    samples: Sequence[Sample] = (),
 ) -> dict[str, list[Any]]:
     """Return the columns of the table of verdicts, a row per statement in the order given.
 
@@ -65,14 +65,15 @@ def evaluate(
     statements : identifier -> statement.
     artefacts : what this run made.
     calibrated_to : identifiers of the statements that a parameter they depend on was calibrated to.
-    ensemble : for each sample of the estimated parameters, the named numbers that it changes.
+    samples : the points of the ensembles.
     """
-    samples = [Sample(artefacts, found) for found in ensemble]
     rows = [_row(name, stated, artefacts, samples, name in calibrated_to) for name, stated in statements.items()]
     return {column: [row[column] for row in rows] for column in COLUMNS}
 
 
-def _row(name: str, stated: Statement, artefacts: Lookup, samples: list[Sample], calibrated: bool) -> dict[str, Any]:
+def _row(
+    name: str, stated: Statement, artefacts: Lookup, samples: Sequence[Sample], calibrated: bool
+) -> dict[str, Any]:
     row: dict[str, Any] = dict.fromkeys(COLUMNS)
     row |= {"statement": name, "met": ""}
     row |= stated.model_dump(include={"where", "says", "reading", "conditions", "basis", "unit"})
@@ -135,31 +136,31 @@ def _shares(robust: Robust | None) -> dict[str, float | None]:
     }
 
 
-def _robust(stated: Statement, samples: list[Sample]) -> Robust | None:
-    """Return in how many samples a claim is true; none where no sample answers it."""
-    if not samples or not _varies(stated, samples):
+def _robust(stated: Statement, samples: Sequence[Sample]) -> Robust | None:
+    """Return in how many points a claim is true; none where no ensemble answers it.
+
+    A claim of the model is asked in points of the estimated parameters, one of a search in experiments of other seeds.
+    Points that lack something of what varies belong to an ensemble of more points than another.
+    """
+    kinds = {"model": (PARAMETERS,), "search": (SEEDS, RESAMPLED)}.get(stated.basis, ())
+    asked = set() if stated.check is None else {text(one) for one in atoms(stated.check)}
+    own = [sample for sample in samples if sample.of in kinds and not asked.isdisjoint(sample.numbers)]
+    varying = {name for sample in own for name in asked.intersection(sample.numbers)}
+    outcomes = [_attempt(stated, sample) for sample in own if varying <= set(sample.numbers)]
+    possible = [outcome for outcome in outcomes if not isinstance(outcome, Impossible)]
+    if not possible:
         return None
-    outcomes = [_attempt(stated, sample) for sample in samples]
-    held = sum(outcome is not None and outcome.holds for outcome in outcomes)
-    return Robust(held, len(outcomes), unanswered=outcomes.count(None))
+    held = sum(isinstance(outcome, Outcome) and outcome.holds for outcome in possible)
+    silent = sum(isinstance(outcome, Unanswerable) for outcome in possible)
+    return Robust(held, len(possible), len(outcomes) - len(possible), silent, own[0].of)
 
 
-def _varies(stated: Statement, samples: list[Sample]) -> bool:
-    """Tell whether the ensemble holds everything that would change with the estimated parameters."""
-    if stated.basis != "model" or read_tables(stated):
-        return False
-    known = {found for sample in samples for found in sample.numbers}
-    kinds = {kind(artefact) for artefact, _, _ in known}
-    varying = [value for value in read_values(stated) if kind(value.artefact) in kinds]
-    return bool(varying) and all(key(value) in known for value in varying)
-
-
-def _attempt(stated: Statement, sample: Sample) -> Outcome | None:
+def _attempt(stated: Statement, sample: Sample) -> Outcome | Unanswerable:
     assert stated.check is not None
     try:
         return apply(stated.check, sample, stated.unit)
-    except Unanswerable:
-        return None
+    except Unanswerable as reason:
+        return reason
 
 
 def _finite(value: float | None) -> float | None:

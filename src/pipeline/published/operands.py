@@ -144,6 +144,35 @@ for _record in (Difference, Ratio, Product, Moment, AtTime):
     _record.model_rebuild()
 
 
+def atoms(operand: float | Record) -> list[Value | AtTime | Total]:
+    """Return what an operand or a predicate takes from artefacts, each a single number."""
+    if isinstance(operand, (Value, AtTime, Total)):
+        return [operand]
+    if not isinstance(operand, Record):
+        return []
+    parts = (getattr(operand, name) for name in type(operand).model_fields)
+    listed = (part for one in parts for part in (one if isinstance(one, (tuple, list)) else (one,)))
+    return [found for part in listed if isinstance(part, Record) for found in atoms(part)]
+
+
+def text(operand: float | Record) -> str:
+    """Return an operand in one line, by which what reads the same is the same."""
+    match operand:
+        case Value():
+            return str(operand)
+        case Total(total=column):
+            return f"sum of {column}"
+        case AtTime(at_time=moment):
+            return f"{moment.value} at {text(moment.time)}"
+        case Difference(difference=(left, right)):
+            return f"({text(left)} - {text(right)})"
+        case Ratio(ratio=(left, right)):
+            return f"({text(left)} / {text(right)})"
+        case Product(product=factors):
+            return f"({' x '.join(map(text, factors))})"
+    return f"{operand:.17g}" if isinstance(operand, float) else str(operand)
+
+
 def values(operand: float | Record) -> list[Value]:
     """Return every artefact value an operand reads."""
     if isinstance(operand, Value):

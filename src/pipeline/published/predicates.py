@@ -94,6 +94,9 @@ def number(operand: Operand, reader: Reader) -> float:
 
 
 def _number(operand: Operand, reader: Reader) -> float:
+    held = reader.held(operand)
+    if held is not None:
+        return held
     match operand:
         case Value():
             return reader.number(operand)

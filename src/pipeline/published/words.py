@@ -30,6 +30,11 @@ BASES: dict[str, str] = {
 """What an answer rests on -> in words."""
 
 
+PARAMETERS, SEEDS = "points of the estimated parameters", "experiments with other seeds"
+RESAMPLED = "resamples of the independent runs"
+"""What the points of an ensemble are."""
+
+
 class Robust(NamedTuple):
     """In how many points of the estimated parameters, or experiments of other seeds, a claim is true.
 
@@ -45,7 +50,7 @@ class Robust(NamedTuple):
     counted: int
     left_out: int = 0
     unanswered: int = 0
-    of: str = "points of the estimated parameters"
+    of: str = PARAMETERS
 
     @property
     def share(self) -> float:

@@ -115,7 +115,11 @@ def final_distance(target: float) -> Measure:
 
 
 def compare(
-    histories: Mapping[str, History], measures: Mapping[str, Measure], rng: np.random.Generator, resamples: int = 2000
+    histories: Mapping[str, History],
+    measures: Mapping[str, Measure],
+    rng: np.random.Generator,
+    resamples: int = 2000,
+    first_only: bool = False,
 ) -> tuple[list[Summary], list[Difference]]:
     """Compare every pair of searches by every measure.
 
@@ -126,6 +130,7 @@ def compare(
     measures : name -> what to take from a history, a number per replicate, smaller being better; infinite: never.
     rng : where the bootstrap's resamples come from.
     resamples : how many there are for each interval.
+    first_only : whether only the first search is compared with the others.
     """
     summaries, differences = [], []
     for name, measure in measures.items():
@@ -138,7 +143,8 @@ def compare(
                 else Effect(np.inf, np.inf, np.inf)
             )
             summaries.append(Summary(search, name, mean, len(arrived) / len(values)))
-        for first, second in itertools.combinations(results, 2):
+        pairs = list(itertools.combinations(results, 2))
+        for first, second in pairs[: len(results) - 1] if first_only else pairs:
             larger = effect(results[first], results[second], rng, resamples=resamples)
             differences.append(Difference(first, second, name, larger))
     return summaries, differences

@@ -33,7 +33,8 @@ def test_each_reference_is_an_edge():
         assert "search" not in made[f"charge/{comparison}/cc_cv"].inputs
     assert made["figure/figure_4_reflex_intervals"].inputs == {"search": "search"}
     assert "search" not in made["figure/panel_curves"].inputs
-    assert "search" not in made["ensemble"].inputs
+    assert made["ensemble/charge"].inputs["search"] == "search"
+    assert "search" not in made["ensemble/objective"].inputs
 
 
 def test_a_number_takes_search_and_tuning_out():

@@ -47,7 +47,7 @@ def made(folder: Path, words: Iterable[str] = ()) -> dict[str, Path]:
     found: dict[str, Path] = {}
     for name, node in nodes(words).items():
         inputs = making.inputs({key: found[maker] for key, maker in node.inputs.items()})
-        import_module(registry.module(name)).run(node.settings, inputs, making.output(name, folder / name))
+        import_module(registry.module(node.step)).run(node.settings, inputs, making.output(node.step, folder / name))
         found[name] = folder / name
     return found
 

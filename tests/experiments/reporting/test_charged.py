@@ -9,6 +9,7 @@ from pipeline.experiments.reporting.verdicts import answered_by_charges, in_plac
 from pipeline.published.artefacts import Lookup
 from pipeline.published.evaluate import evaluate
 from pipeline.published.records import Statement, needs
+from pipeline.published.words import PARAMETERS, SEEDS
 from tests import making
 from tests.published.conftest import lookup, shipped, write_ensemble
 
@@ -50,11 +51,15 @@ def test_the_same_predicate_on_the_other_charges(lookup: Callable[..., Lookup], 
     assert set(in_place_of_the_first(inputs)) == {"charge/p/cc_cv", "charge/p/cv_reflex"}
 
 
-def test_the_samples_of_an_ensemble_are_numbers_of_the_charges_summaries(tmp_path: Any) -> None:
-    found = [{("p", "cc_cv", "rise_k"): 5.0}, {("p", "cc_cv", "rise_k"): 6.0, ("p", "cc_cv", "end_s"): 100.0}]
-    write_ensemble(tmp_path / "ensemble", found)
-    assert samples(making.inputs({"ensemble": tmp_path / "ensemble"})) == [
-        {("charge/p/cc_cv", "summary", "rise_k"): 5.0},
-        {("charge/p/cc_cv", "summary", "rise_k"): 6.0, ("charge/p/cc_cv", "summary", "end_s"): 100.0},
+def test_points_of_several_ensembles_are_joined_and_impossible_ones_are_none(tmp_path: Any) -> None:
+    write_ensemble(tmp_path / "a", [{"x of a.t": 5.0}, {"x of a.t": None}])
+    write_ensemble(tmp_path / "b", [{"y of b.t": 1.0}])
+    write_ensemble(tmp_path / "c", [{"x of a.t": 7.0}], SEEDS)
+    inputs = making.inputs({f"ensemble/{name}": tmp_path / name for name in "abc"})
+    found = samples(inputs, Lookup(inputs))
+    assert [(one.of, dict(one.numbers)) for one in found] == [
+        (SEEDS, {"x of a.t": 7.0}),
+        (PARAMETERS, {"x of a.t": 5.0, "y of b.t": 1.0}),
+        (PARAMETERS, {"x of a.t": None}),
     ]
-    assert samples(making.inputs({})) == []
+    assert samples(making.inputs({}), Lookup(inputs)) == []

@@ -55,7 +55,7 @@ def test_charges_ask_for_what_is_found():
     staged = made["charge/charges/staged_found"].settings["mode"]["phases"]["stages"]["staged"]
     assert staged["currents_a"] == {"from": "staging", "value": "found_currents_a"}
     assert not any("supply" in node.inputs for node in made.values())
-    assert {"panel", "supply", "tuning", "search", "ensemble"}.isdisjoint(made)
+    assert {"panel", "supply", "tuning", "search", "ensemble/search"}.isdisjoint(made)
 
 
 def test_currents_that_are_not_yet_found_are_said_to_be_missing():

@@ -9,14 +9,12 @@ from pipeline.charge.comparison import compared
 from pipeline.charge.vocabulary import SUMMARY
 from pipeline.config.compose import options
 from pipeline.experiments.charges.records import ChargesPart, check_modes, prepare, warn_modes
-from pipeline.experiments.charges.tables import CHARGE, ENSEMBLE
+from pipeline.experiments.charges.tables import CHARGE
 from pipeline.kernel.draft import plain
 from pipeline.kernel.experiment import FOUND, Experiment, Label, Node, Step
-from pipeline.kernel.scope import below
-from pipeline.kernel.tables import TableFile
+from pipeline.published.ensemble import ANSWERS, NAME, asked, estimates
 
 _TEMPERATURES = ("charge.ambient_c", "charge.initial_temperature_c")
-_VARIED = ("battery", "modes", "charge")
 SECOND = "second_charge"
 """Kind of the charges of the second battery."""
 
@@ -35,23 +33,23 @@ def _charge_settings(config: Any, cell: str, comparison: str, mode: str, referen
     }
 
 
-def _ensemble_settings(config: Any) -> dict[str, Any]:
-    ranges, followers = estimated(config.sources_below(*_VARIED))
+def _ensemble_settings(
+    config: Any, estimated: Mapping[str, Any], charges: list[tuple[str, str]], modes: list[str]
+) -> dict[str, Any]:
+    comparisons = {comparison for comparison, _ in charges}
+    cards = {name: card for name, card in config.comparisons.items() if name in comparisons}
     return {
         "battery": untitled(config.battery, config.battery.name),
-        "modes": {
-            name: _slowed(untitled(mode, name), config.ensemble.pulse_frequency_hz)
-            for name, mode in config.modes.items()
-        },
+        "modes": {name: untitled(config.modes[name], name) for name in modes},
         "charge": config.charge.model_copy(update={"windows": []}),
         "engine": config.engine,
-        "ensemble": config.ensemble,
-        "ranges": ranges,
-        "followers": followers,
+        "points": config.ensemble.points,
+        "estimated": estimated,
         "seed": config.seed,
-        "run": config.run,
-        "comparisons": {name: card.mean_current_of for name, card in config.comparisons.items()},
-        "stops": {name: card.stops for name, card in config.comparisons.items() if card.stops is not None},
+        "asked": asked(config.published, ("charge",)),
+        "charges": charges,
+        "comparisons": {name: card.mean_current_of for name, card in cards.items()},
+        "stops": {name: card.stops for name, card in cards.items() if card.stops is not None},
     }
 
 
@@ -79,9 +77,10 @@ SAMPLED = Step(
     rule="charge_ensemble",
     message="Charges over the ranges of estimated parameters: {chunk}",
     settings=_ensemble_settings,
-    reads=("battery", "modes", "charge", "engine", "ensemble", "seed", "run", "comparisons"),
+    reads=("battery", "modes.{modes}", "charge", "engine", "ensemble", "seed", "comparisons", "published"),
     takes=("engine", "supply", FOUND),
-    tables={"ensemble": TableFile("ensemble.parquet", ENSEMBLE, elsewhere={"value": 1e-4})},
+    tables=ANSWERS,
+    priority=1,
     shown=False,
 )
 
@@ -96,10 +95,34 @@ def nodes(study: Any) -> Iterator[Node]:
         # In turn, so that a job takes one of each.
         for pair in zip(first, _charges(study, "second_battery"), strict=True):
             yield from pair
-    ranges, _ = estimated({path: one for path, one in study.sources.items() if below(path, _VARIED)})
-    if study.ensemble.samples and ranges:
-        shown = SAMPLED.places("published")
-        yield Node(SAMPLED, "ensemble", study.study.name, inputs=_inputs(study), shown=shown)
+    yield from _ensemble(study)
+
+
+def _ensemble(study: Any) -> Iterator[Node]:
+    """Yield the charges over the ranges of the estimated parameters: those that statements read, where they vary."""
+    read = {value["artefact"] for one in asked(study.published, ("charge",)) for value in _values(one)}
+    charges = [
+        (comparison, mode)
+        for comparison in study.comparisons
+        for mode in study.run
+        if f"charge/{comparison}/{mode}" in read
+    ]
+    references = {study.comparisons[comparison].mean_current_of for comparison, _ in charges} - {None}
+    modes = sorted({mode for _, mode in charges} | references)
+    estimated = estimates(study.sources, ("battery", "charge", *(f"modes.{mode}" for mode in modes)))
+    if study.ensemble.points and charges and estimated["ranges"]:
+        which = {"estimated": estimated, "charges": charges, "modes": modes}
+        shown = {"ensemble.parquet": "published/ensemble_of_charges.parquet"}
+        yield Node(SAMPLED, f"{NAME}/charge", study.study.name, which, _inputs(study), shown)
+
+
+def _values(asked_for: Any) -> Iterator[Mapping[str, Any]]:
+    """Yield the values in operands as plain data."""
+    if isinstance(asked_for, Mapping) and "artefact" in asked_for:
+        yield asked_for
+    elif isinstance(asked_for, Mapping | list | tuple):
+        for part in asked_for.values() if isinstance(asked_for, Mapping) else asked_for:
+            yield from _values(part)
 
 
 def _charges(study: Any, cell: str) -> Iterator[Node]:
@@ -122,28 +145,9 @@ def _inputs(study: Any) -> dict[str, str]:
     return {"engine": "engine"} | ({"supply": "supply"} if study.panel is not None else {})
 
 
-def estimated(sources: Mapping[str, Any]) -> tuple[dict[str, list[float]], dict[str, str]]:
-    """Return the ranges of the estimated parameters by key path, and the paths that follow one of them."""
-    ranges = {path: list(source.range) for path, source in sources.items() if source.range is not None}
-    followers = {
-        path: leader
-        for path, source in sources.items()
-        if source.same_as and (leader := f"{path.rpartition('.')[0]}.{source.same_as}") in ranges
-    }
-    return ranges, followers
-
-
 def untitled(record: Any, name: str) -> dict[str, Any]:
     """Return a record with its name for a title: titles are for readers, and changing one must compute nothing."""
     return {**plain(record), "title": name}
-
-
-def _slowed(tree: Any, frequency_hz: float) -> Any:
-    """Return a mode with every pulse at one frequency: also one whose frequency is yet to be found."""
-    if not isinstance(tree, dict):
-        return tree
-    slowed = {key: _slowed(value, frequency_hz) for key, value in tree.items()}
-    return slowed | {key: frequency_hz for key in tree if key.endswith("frequency_hz")}
 
 
 def _readable(study: Any) -> Iterable[str]:

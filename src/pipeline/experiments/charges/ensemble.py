@@ -1,67 +1,98 @@
-"""Ensemble: the study's charges over samples of the estimated parameters in; the numbers of their summaries out."""
+"""Ensemble: the study's charges over points of the estimated parameters in; what statements read of them out."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
 from pipeline.cell.records import Battery
 from pipeline.charge.checks import check
 from pipeline.charge.comparison import compared
-from pipeline.charge.ensemble import EnsembleSettings, draw, with_values
 from pipeline.charge.records import ChargeSettings, EngineSettings, Mode
-from pipeline.charge.simulate import Supply, Task, simulate_many
-from pipeline.errors import UserError
+from pipeline.charge.simulate import Charge, Supply, Task, simulate_many
 from pipeline.experiments.charges.charge import supply
+from pipeline.experiments.charges.tables import CHARGE
 from pipeline.kernel.artefacts import Inputs, Output
 from pipeline.kernel.digest import canonical
+from pipeline.published import ensemble
 
-Row = tuple[int, str, str, str, float | None]
+BATCH = 16
+"""Points whose charges are held at once."""
+Name = tuple[str, str]
 
 
 def run(settings: Mapping[str, Any], inputs: Inputs, output: Output) -> None:
-    """Charge every sample in every comparison and mode."""
-    chosen = EnsembleSettings.model_validate(settings["ensemble"])
-    samples = draw(settings["ranges"], settings["followers"], chosen.samples, settings["seed"])
-    nominal = {name: settings[name] for name in ("battery", "modes", "charge")}
-    source = supply(inputs)
-    rows: list[Row] = []
-    for number, values in enumerate(samples):
-        tree = with_values(nominal, values)
-        rows += [(number, *row) for row in _charges(settings, tree, source)]
-        print(f"sample {number + 1} of {len(samples)}", flush=True)
+    """Charge in every point whatever statements read."""
+    points = ensemble.draw(settings["estimated"], settings["points"], settings["seed"])
+    source, rows = supply(inputs), list[ensemble.Row]()
+    for start in range(0, len(points), BATCH):
+        batch = enumerate(points[start : start + BATCH], start)
+        prepared = [(number, *_prepared(settings, values, source)) for number, values in batch]
+        tasks = [task for _, _, own in prepared for task in own.values()]
+        done = iter(simulate_many(tasks))
+        for number, sheets, own in prepared:
+            charges = {sheet: next(done) for sheet in own}
+            rows += _answers(number, settings["asked"], {name: charges.get(sheet) for name, sheet in sheets.items()})
+        print(f"{min(start + BATCH, len(points))} of {len(points)} points", flush=True)
     output.rows("ensemble", rows)
 
 
-def _charges(
-    settings: Mapping[str, Any], tree: Mapping[str, Any], source: Supply
-) -> Iterator[tuple[str, str, str, float | None]]:
+def _prepared(
+    settings: Mapping[str, Any], values: Mapping[str, float], source: Supply
+) -> tuple[dict[Name, str], dict[str, Task]]:
+    """Return the sheet of every charge, and the task of every sheet that a charger would accept."""
+    tree = ensemble.with_values({name: settings[name] for name in ("battery", "modes", "charge")}, values)
+    sheets: dict[Name, str] = {}
+    tasks: dict[str, Task] = {}
+    for comparison, name in settings["charges"]:
+        try:
+            task, sheet = _task(settings, tree, comparison, name, source)
+        except ensemble.IMPOSSIBLE:
+            sheets[comparison, name] = ""
+            continue
+        sheets[comparison, name] = sheet
+        tasks.setdefault(sheet, task)
+    return sheets, tasks
+
+
+def _task(
+    settings: Mapping[str, Any], tree: Mapping[str, Any], comparison: str, name: str, source: Supply
+) -> tuple[Task, str]:
     battery = Battery.model_validate(tree["battery"])
     charge = ChargeSettings.model_validate(tree["charge"])
-    engine = EngineSettings.model_validate(settings["engine"])
-    modes = {name: Mode.model_validate(mode) for name, mode in tree["modes"].items()}
-    wanted: list[tuple[str, str, str]] = []
-    tasks: dict[str, Task] = {}
-    for comparison, reference in settings["comparisons"].items():
-        for name in settings["run"]:
-            mode = compared(
-                modes[name], None if reference is None else modes[reference], battery, settings["stops"].get(comparison)
-            )
-            sheet = canonical([name, mode.model_dump(mode="json")])
-            wanted.append((comparison, name, sheet))
-            if sheet not in tasks and _accepted(battery, mode, charge):
-                tasks[sheet] = Task(battery, mode, source, charge, engine)
-    summaries = {sheet: done.summary for sheet, done in zip(tasks, simulate_many(tasks.values()), strict=True)}
-    for comparison, name, sheet in wanted:
-        for quantity in summaries.get(sheet, []):
-            if quantity.text is None:
-                yield comparison, name, quantity.quantity, quantity.value
+    reference = settings["comparisons"][comparison]
+    other = None if reference is None else Mode.model_validate(tree["modes"][reference])
+    mode = compared(Mode.model_validate(tree["modes"][name]), other, battery, settings["stops"].get(comparison))
+    check(battery, mode, charge)
+    task = Task(battery, mode, source, charge, EngineSettings.model_validate(settings["engine"]))
+    return task, canonical([name, mode.model_dump(mode="json")])
 
 
-def _accepted(battery: Battery, mode: Mode, charge: ChargeSettings) -> bool:
-    """Tell whether a charger would accept a sample."""
-    try:
-        check(battery, mode, charge)
-    except UserError:
-        return False
-    return True
+def _answers(
+    point: int, asked: Sequence[Mapping[str, Any]], charges: Mapping[Name, Charge | None]
+) -> Iterator[ensemble.Row]:
+    """Yield what is asked of a point; charges that no charger accepts make impossible what reads them."""
+    held = {f"charge/{'/'.join(name)}": _tables(done) for name, done in charges.items() if done is not None}
+    reader = ensemble.reader(held, {"charge": CHARGE})
+    for one in asked:
+        possible = all(charges.get((c, m)) is not None for c, m in _read(one))
+        yield from ensemble.answers(point, [one], reader if possible else None)
+
+
+def _read(asked: Any) -> Iterator[Name]:
+    """Yield the charges that an operand, as plain data, reads."""
+    if isinstance(asked, Mapping):
+        if "artefact" in asked:
+            _, comparison, mode = asked["artefact"].split("/")
+            yield comparison, mode
+        asked = list(asked.values())
+    if isinstance(asked, list | tuple):
+        for part in asked:
+            yield from _read(part)
+
+
+def _tables(done: Charge) -> dict[str, Mapping[str, Any]]:
+    summary = {name: [getattr(row, name) for row in done.summary] for name in ("quantity", "value", "text", "unit")}
+    # A number that a charge did not get to is empty.
+    summary["value"] = [float("nan") if value is None else value for value in summary["value"]]
+    return {"trace": done.trace, "summary": summary, "phases": done.phases, "energy": done.energy}

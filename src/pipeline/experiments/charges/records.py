@@ -9,10 +9,10 @@ from pydantic import Field
 
 from pipeline.cell.records import Battery, cuts
 from pipeline.charge.checks import check
-from pipeline.charge.ensemble import EnsembleSettings
 from pipeline.charge.records import ChargeSettings, EngineSettings, Mode
 from pipeline.config.compose import Composed
 from pipeline.errors import UserError, best_matches
+from pipeline.published.ensemble import EnsembleSettings
 from pipeline.record import Record
 
 StopName = Literal["soc", "voltage_v", "current_a", "temperature_c", "voltage_drop_v", "temperature_rate_k_s"]
@@ -40,7 +40,7 @@ class ChargesPart(Record):
     comparisons: dict[str, Comparison] = Field(min_length=1)
     charge: ChargeSettings
     engine: EngineSettings = EngineSettings()
-    ensemble: EnsembleSettings = EnsembleSettings(samples=0)
+    ensemble: EnsembleSettings = EnsembleSettings()
 
 
 def prepare(composed: Composed, values: dict[str, Any], written: dict[str, Any]) -> dict[str, Any]:

@@ -75,18 +75,6 @@ CHARGE_ENERGY = Table(
         Column("description", "", "what the path is", "text"),
     ),
 )
-ENSEMBLE = Table(
-    "ensemble",
-    "What charges came to over the range of the estimated parameters, a row per number",
-    (
-        Column("sample", "1", "number of the sample of the parameters, from 0", "integer"),
-        Column("comparison", "", "name of the comparison", "text"),
-        Column("mode", "", "name of the charging mode", "text"),
-        Column("quantity", "", "name of the quantity, as in the charge's summary", "text"),
-        Column("value", "see the summary", "its value; empty where the charge did not get there", optional=True),
-    ),
-)
-
 CHARGE = {
     "trace": TableFile("trace.bdf.parquet", CHARGE_TRACE, time="Test Time / s"),
     "waveform": TableFile("waveform.parquet", CHARGE_WAVEFORM, time="time_s"),

@@ -109,6 +109,18 @@ def pairs(config: Any) -> list[list[float]]:
     return [[factor * value_of(one.resistance_ohm, soc) for one in found], [one.time_constant_s for one in found]]
 
 
+def objective_settings(config: Any, modes: Iterable[str], **_: Any) -> dict[str, Any]:
+    """Return what the step `objective` is given, for the waveforms of some modes."""
+    resistance = value_of(config.battery.series_resistance_ohm, config.objective.soc)
+    return {
+        # Titles are for readers, and changing one must compute nothing.
+        "objective": config.objective.model_copy(update={"title": config.objective.kind}),
+        "waveforms": pulsed_modes(config, modes),
+        "pairs": pairs(config),
+        "series_resistance_ohm": whole_battery(config) * resistance,
+    }
+
+
 def problem(config: Any) -> dict[str, Any]:
     """Return all that the integral square error depends on, as `objective.records.Problem` has it."""
     objective = config.objective

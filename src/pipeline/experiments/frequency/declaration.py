@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from typing import Any
 
-from pipeline.cell.records import value_of
 from pipeline.config.compose import options
 from pipeline.experiments.frequency import choices, outcome, tuning
 from pipeline.experiments.frequency.choices import FrequencyPart, pulsed_modes, searches
@@ -13,7 +12,8 @@ from pipeline.experiments.frequency.outcome import VARIABLE
 from pipeline.experiments.frequency.tables import CHAOS, OBJECTIVE, SEARCH, SETS, TUNING
 from pipeline.experiments.frequency.tuning_tables import CHAOS_NUMBERS, OBJECTIVE_NUMBERS
 from pipeline.kernel.draft import plain
-from pipeline.kernel.experiment import Experiment, Label, Node, Step
+from pipeline.kernel.experiment import Draft, Experiment, Label, Node, Step
+from pipeline.published.ensemble import ANSWERS, NAME, asked, estimates
 from pipeline.search import registry
 
 # The objective's terms of the battery, which a search does not see otherwise.
@@ -21,14 +21,32 @@ _PAIRS = ("battery.cells_in_series", "battery.pairs", "battery.capacity_ah", "ba
 _PROBLEM = ("objective.mode", "objective.soc", "objective.transistor", "objective.window_s", "modes.{mode}", *_PAIRS)
 
 
-def _objective_settings(config: Any, modes: Iterable[str]) -> dict[str, Any]:
-    resistance = value_of(config.battery.series_resistance_ohm, config.objective.soc)
+def _objective_ensemble(config: Any, modes: Iterable[str], estimated: Mapping[str, Any]) -> dict[str, Any]:
     return {
-        # Titles are for readers, and changing one must compute nothing.
-        "objective": config.objective.model_copy(update={"title": config.objective.kind}),
-        "waveforms": pulsed_modes(config, modes),
-        "pairs": choices.pairs(config),
-        "series_resistance_ohm": choices.whole_battery(config) * resistance,
+        "battery": {**plain(config.battery), "title": config.battery.name},
+        "modes": {name: {**_without_references(plain(config.modes[name])), "title": name} for name in modes},
+        "objective": {**plain(config.objective), "title": config.objective.kind},
+        "points": config.ensemble.points,
+        "estimated": estimated,
+        "seed": config.seed,
+        "asked": asked(config.published, ("objective",)),
+    }
+
+
+def _without_references(tree: Any) -> Any:
+    """Return a mode with 1 for every value that is found elsewhere: its rate, on which no loss of a period depends."""
+    if not isinstance(tree, Mapping):
+        return tree
+    return 1.0 if set(tree) == {"from", "value"} else {key: _without_references(value) for key, value in tree.items()}
+
+
+def _search_ensemble(config: Any, tuned: bool, **which: Any) -> dict[str, Any]:
+    return {
+        "search": _search_settings(config, **which),
+        "tuning": _tuning_settings(config, **which) if tuned else None,
+        "experiments": config.ensemble.experiments,
+        "seed": config.seed,
+        "asked": asked(config.published, ("search", "tuning"), "search"),
     }
 
 
@@ -64,7 +82,7 @@ OBJECTIVE_STEP = Step(
     "objective",
     rule="loss_over_frequency",
     message="Objective: loss against frequency: {chunk}",
-    settings=_objective_settings,
+    settings=choices.objective_settings,
     reads=("objective", "modes.{modes}", *_PAIRS, "battery.series_resistance_ohm"),
     tables=OBJECTIVE,
     quantities=OBJECTIVE_NUMBERS,
@@ -103,6 +121,31 @@ SEARCH_STEP = Step(
 )
 
 
+OBJECTIVE_ENSEMBLE = Step(
+    "objective_ensemble",
+    rule="loss_over_estimates",
+    message="Objective over the ranges of estimated parameters: {chunk}",
+    settings=_objective_ensemble,
+    reads=("battery", "modes.{modes}", "objective", "ensemble", "seed", "published"),
+    tables=ANSWERS,
+    chunk=(1, 8),
+    shown=False,
+)
+SEARCH_ENSEMBLE = Step(
+    "search_ensemble",
+    rule="search_with_other_seeds",
+    message="Searches and parameter design with other seeds: {chunk}",
+    settings=_search_ensemble,
+    reads=("search", "oracle", "design", "seed", *_PROBLEM, "ensemble", "published"),
+    takes=("tuning",),
+    tables=ANSWERS,
+    files=("conf/published/reference/*.csv",),
+    priority=1,
+    on_demand=True,
+    shown=False,
+)
+
+
 def nodes(study: Any) -> Iterator[Node]:
     """Yield the nodes that find a frequency, and those that show how."""
     if study.chaos is not None:
@@ -111,6 +154,7 @@ def nodes(study: Any) -> Iterator[Node]:
         return
     which = {"modes": tuple(pulsed_modes(study, study.modes))}
     yield Node(OBJECTIVE_STEP, "objective", "objective", which, shown=OBJECTIVE_STEP.places("objective"))
+    yield from _over_estimates(study, which["modes"])
     if study.search is None:
         return
     title, which = study.study.name, {"mode": study.objective.mode}
@@ -118,6 +162,7 @@ def nodes(study: Any) -> Iterator[Node]:
         not_made = () if study.design.printed is not None else tuple(SETS["published"])
         yield Node(TUNING_STEP, "tuning", title, which, shown=TUNING_STEP.places("tuning", *not_made))
     run = searches(study)
+    modules = tuple(sorted({registry.module_name(one.kind) for one in run.values()}))
     files = [f"{name}.{part}.parquet" for name in run for part in ("history", "best")]
     yield Node(
         SEARCH_STEP,
@@ -125,8 +170,32 @@ def nodes(study: Any) -> Iterator[Node]:
         title,
         which,
         shown={file: f"search/{file}" for file in files} | SEARCH_STEP.places("search"),
-        modules=tuple(sorted({registry.module_name(one.kind) for one in run.values()})),
+        modules=modules,
     )
+
+
+def _over_estimates(study: Any, pulsed: Iterable[str]) -> Iterator[Node]:
+    """Yield the objective over the ranges of the estimated parameters, for the modes that statements name."""
+    read = asked(study.published, ("objective",))
+    named = {one["quantity"] for one in read if "quantity" in one}
+    modes = [mode for mode in pulsed if mode == study.objective.mode or any(f"_{mode}_" in name for name in named)]
+    estimated = estimates(study.sources, ("battery", "objective", *(f"modes.{mode}" for mode in modes)))
+    if study.ensemble.points and read and estimated["ranges"]:
+        which = {"modes": modes, "estimated": estimated}
+        shown = {"ensemble.parquet": "published/ensemble_of_objective.parquet"}
+        yield Node(OBJECTIVE_ENSEMBLE, f"{NAME}/objective", "objective", which, shown=shown)
+
+
+def closing(study: Any, made: Sequence[Draft]) -> Iterator[Node]:
+    """Yield the searches with other seeds, where the run searches."""
+    names = {node.name for node in made}
+    wanted = study.ensemble.experiments and asked(study.published, ("search", "tuning"), "search")
+    if not wanted or "search" not in names:
+        return
+    modules = tuple(sorted({registry.module_name(one.kind) for one in searches(study).values()}))
+    which = {"mode": study.objective.mode, "tuned": "tuning" in names}
+    shown = {"ensemble.parquet": "published/ensemble_of_searches.parquet"}
+    yield Node(SEARCH_ENSEMBLE, f"{NAME}/search", study.study.name, which, shown=shown, modules=modules)
 
 
 def _readable(study: Any) -> Iterable[str]:
@@ -159,8 +228,9 @@ def _searched(config: Any) -> Mapping[str, Any]:
 
 EXPERIMENT = Experiment(
     title="the frequency of the pulses that costs least, and the search for it",
-    steps=(CHAOS_STEP, OBJECTIVE_STEP, TUNING_STEP, SEARCH_STEP),
+    steps=(CHAOS_STEP, OBJECTIVE_STEP, TUNING_STEP, SEARCH_STEP, OBJECTIVE_ENSEMBLE, SEARCH_ENSEMBLE),
     nodes=nodes,
+    closing=closing,
     part=FrequencyPart,
     parameters=("objective", "design", "search", "oracle"),
     refers={"objective.mode": "modes"},

@@ -61,7 +61,7 @@ class Outcome(NamedTuple):
     quantities: list[Quantity]
 
 
-def outcome(histories: Mapping[str, History], seed: int) -> Outcome:
+def outcome(histories: Mapping[str, History], seed: int, first_only: bool = False, resamples: int = 2000) -> Outcome:
     """Return what searches for one frequency come to.
 
     Arguments
@@ -69,15 +69,17 @@ def outcome(histories: Mapping[str, History], seed: int) -> Outcome:
     histories : search -> its history; the first is the one whose result is used, `sweep` the one all are held against.
         The first is compared with those of as many replicates.
     seed : of the bootstrap's resamples.
+    resamples : of the bootstrap, for each interval.
+    first_only : whether only the first is compared with the others, and not these with each other.
     """
     first = next(iter(histories))
     target, _ = _best(histories[SWEEP])
     measures = {ITERATIONS: iterations_within(target, WITHIN_HZ), DISTANCE: final_distance(target)}
     rng = np.random.default_rng(np.random.SeedSequence(seed, spawn_key=(1,)))
     peers = {name: history for name, history in histories.items() if _peer(name, history, histories[first])}
-    statistics, differences = compare(peers, measures, rng)
+    statistics, differences = compare(peers, measures, rng, resamples, first_only)
     others = {name: history for name, history in histories.items() if name not in peers}
-    statistics += compare(others, measures, rng)[0]
+    statistics += compare(others, measures, rng, resamples)[0]
     frequency, ise = _best(histories[first])
     found = [
         VOCABULARY.quantity("frequency_hz", frequency),

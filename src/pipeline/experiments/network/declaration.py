@@ -13,6 +13,7 @@ from pipeline.files import profiles
 from pipeline.kernel import digest
 from pipeline.kernel.experiment import Experiment, Node, Step
 from pipeline.kernel.tables import CHAOTIC, NUMBERS, Column, Table, TableFile
+from pipeline.published.ensemble import ANSWERS, NAME, asked
 
 _TEMPERATURE = Column("temperature_c", "degC", "temperature of the battery")
 
@@ -243,15 +244,39 @@ VARY = Step(
 )
 
 
+def _resampling(config: Any) -> dict[str, Any]:
+    return {
+        "experiments": config.ensemble.points,
+        "seed": config.seed,
+        "asked": asked(config.published, ("network", "network_size"), "search"),
+    }
+
+
+RESAMPLE = Step(
+    "network_ensemble",
+    rule="resample_selections",
+    message="Network: resampled runs of the selections: {chunk}",
+    settings=_resampling,
+    reads=("ensemble", "seed", "published"),
+    takes=("network", "network_size"),
+    tables=ANSWERS,
+    shown=False,
+)
+
+
 def nodes(study: Any) -> Iterator[Node]:
     """Yield the data of a study's network, its selection, and what is tried with its size and its kernel."""
     if study.network is None:
         return
     yield Node(MAKE, "surface", "surface", shown=MAKE.places("surface"))
-    asked = ((SELECT, True), (SIZE, study.network.size is not None), (VARY, study.network.kernels is not None))
-    for step in (step for step, wanted in asked if wanted):
+    made = ((SELECT, True), (SIZE, study.network.size is not None), (VARY, study.network.kernels is not None))
+    for step in (step for step, wanted in made if wanted):
         inputs = {"surface": "surface"}
         yield Node(step, step.name, study.study.name, inputs=inputs, shown=step.places(step.name))
+    if study.ensemble.points and asked(study.published, ("network", "network_size"), "search"):
+        inputs = {step.name: step.name for step, wanted in made if wanted and step is not VARY}
+        shown = {"ensemble.parquet": "published/ensemble_of_selections.parquet"}
+        yield Node(RESAMPLE, f"{NAME}/network", study.study.name, inputs=inputs, shown=shown)
 
 
 def check(study: Any) -> None:
@@ -275,9 +300,10 @@ def _found(study: Any) -> dict[str, tuple[str, ...]]:
 
 
 STEPS = (MAKE, SELECT, SIZE, VARY)
+"""Those that make what statements read."""
 EXPERIMENT = Experiment(
     title="the network that commands a charger",
-    steps=STEPS,
+    steps=(*STEPS, RESAMPLE),
     nodes=nodes,
     part=NetworkPart,
     parameters=("network",),

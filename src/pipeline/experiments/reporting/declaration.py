@@ -9,13 +9,14 @@ from typing import Any
 from pydantic import Field
 
 from pipeline.config.units import unit_of
-from pipeline.experiments.reporting.verdicts import ENSEMBLE, SECOND, answered_by_charges, of_second
+from pipeline.experiments.reporting.verdicts import SECOND, answered_by_charges, of_second
 from pipeline.kernel import registry
 from pipeline.kernel.draft import paths, plain, reads_behind
 from pipeline.kernel.experiment import EVERYTHING, Draft, Experiment, Node, Step
 from pipeline.kernel.planfile import command
 from pipeline.kernel.scope import below
 from pipeline.kernel.tables import TableFile
+from pipeline.published.ensemble import NAME as ENSEMBLE
 from pipeline.published.evaluate import VERDICTS
 from pipeline.published.records import Statement, needs
 from pipeline.record import Record
@@ -124,7 +125,8 @@ def _verdicts(study: Any, made: Sequence[Draft]) -> Iterator[Node]:
         by_charges = answered_by_charges(study.published)
         second = {name: {of_second(one) for one in asked[name]} for name in by_charges}
     known = {node.name for node in made}
-    wanted = {name for names in (*asked.values(), *(second or {}).values()) for name in names} | {ENSEMBLE}
+    wanted = {name for names in (*asked.values(), *(second or {}).values()) for name in names}
+    wanted |= {node.name for node in made if node.kind == ENSEMBLE}
     which = {
         "calibrated": _calibrated(study, made, asked),
         "second_calibrated": None if second is None else _calibrated(study, made, second),

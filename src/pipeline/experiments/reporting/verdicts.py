@@ -6,15 +6,14 @@ from collections.abc import Iterable, Mapping
 from typing import Any
 
 from pipeline.kernel.artefacts import Inputs, Output
-from pipeline.published.artefacts import Key, Lookup
+from pipeline.published.artefacts import Lookup, Sample
+from pipeline.published.ensemble import NAME as ENSEMBLE
 from pipeline.published.evaluate import evaluate
 from pipeline.published.records import Statement, needs
 from pipeline.published.reference import kind
 
 SECOND = "second_charge"
 """First word of the names of the second battery's charges."""
-ENSEMBLE = "ensemble"
-"""Name of the input that holds the summaries of charges over the range of the estimated parameters."""
 
 
 def answered_by_charges(statements: Mapping[str, Statement]) -> dict[str, Statement]:
@@ -36,16 +35,15 @@ def in_place_of_the_first(inputs: Iterable[str]) -> dict[str, str]:
     return {f"charge/{name.partition('/')[2]}": name for name in inputs if kind(name) == SECOND}
 
 
-def samples(inputs: Inputs) -> list[dict[Key, float]]:
-    """Return the numbers of the charges' summaries in each sample of the ensemble; none without an ensemble."""
-    if ENSEMBLE not in inputs:
-        return []
-    data = inputs.table(ENSEMBLE, "ensemble")
-    found: dict[int, dict[Key, float]] = {}
-    columns = (data[name].tolist() for name in ("sample", "comparison", "mode", "quantity", "value"))
-    for sample, comparison, mode, quantity, value in zip(*columns, strict=True):
-        found.setdefault(sample, {})[f"charge/{comparison}/{mode}", "summary", quantity] = value
-    return [found[sample] for sample in sorted(found)]
+def samples(inputs: Inputs, nominal: Lookup) -> list[Sample]:
+    """Return the points of all ensembles, those that are the same point of several as one; none without an ensemble."""
+    found: dict[tuple[str, int], dict[str, float | None]] = {}
+    for name in inputs.of_kind(ENSEMBLE):
+        data = inputs.table(name, "ensemble")
+        columns = (data[column].tolist() for column in ("of", "point", "operand", "value", "possible"))
+        for of, point, operand, value, possible in zip(*columns, strict=True):
+            found.setdefault((of, point), {})[operand] = value if possible else None
+    return [Sample(nominal, numbers, of) for (of, _), numbers in sorted(found.items())]
 
 
 def run(settings: Mapping[str, Any], inputs: Inputs, output: Output) -> None:
@@ -55,7 +53,8 @@ def run(settings: Mapping[str, Any], inputs: Inputs, output: Output) -> None:
         for data in settings["statements"]
     }
     calibrated = set(settings["calibrated"])
-    output.write("verdicts", evaluate(statements, Lookup(inputs), calibrated, samples(inputs)))
+    nominal = Lookup(inputs)
+    output.write("verdicts", evaluate(statements, nominal, calibrated, samples(inputs, nominal)))
     if settings["second_calibrated"] is not None:
         second = Lookup(inputs.renamed(in_place_of_the_first(inputs)))
         calibrated = set(settings["second_calibrated"])

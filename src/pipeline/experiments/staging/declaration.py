@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from typing import Any
 
 from pydantic import Field
@@ -14,6 +14,7 @@ from pipeline.experiments.staging.tables import GATHERED, SEARCH, TRADED
 from pipeline.experiments.staging.vocabulary import FRONT, SEARCHED
 from pipeline.kernel.draft import plain
 from pipeline.kernel.experiment import Experiment, Label, Node, Step
+from pipeline.published.ensemble import ANSWERS, NAME, asked, estimates
 from pipeline.record import Record
 from pipeline.search import registry
 
@@ -57,6 +58,35 @@ def _front_settings(config: Any, weights: str, **_: Any) -> dict[str, Any]:
         "front": config.staging.front,
         "starts": config.staging.starts,
         "seed": config.seed,
+    }
+
+
+def _stage_ensemble(config: Any, first: str, estimated: Mapping[str, Any], **_: Any) -> dict[str, Any]:
+    return {
+        "problem": _problem(config, first),
+        "weights": [{"name": name, **plain(pair)} for name, pair in config.staging.weights.items()],
+        "front": config.staging.front,
+        "points": config.ensemble.slow_points,
+        "estimated": estimated,
+        "seed": config.seed,
+        "asked": asked(config.published, ("staging", "front")),
+    }
+
+
+def _seed_ensemble(config: Any, first: str, compared: list[str], **_: Any) -> dict[str, Any]:
+    stages = len(plan_of(config).currents_a)
+    listed = {name: search_of(config.staging, name, stages) for name in compared}
+    return {
+        "problem": _problem(config, first),
+        "first": first,
+        "searches": [
+            {"name": name, "settings": found.model_copy(update={"title": "search"})} for name, found in listed.items()
+        ],
+        "use": config.staging.use,
+        "evaluations": config.staging.evaluations,
+        "experiments": config.ensemble.experiments,
+        "seed": config.seed,
+        "asked": asked(config.published, ("staging",), "search"),
     }
 
 
@@ -125,17 +155,45 @@ FRONT_STEP = Step(
 )
 
 
+STAGE_ENSEMBLE = Step(
+    "stage_ensemble",
+    rule="stage_over_estimates",
+    message="Staged charges over the ranges of estimated parameters: {chunk}",
+    settings=_stage_ensemble,
+    reads=(*_PROBLEM, "staging.weights", "staging.front", "ensemble", "published"),
+    takes=("staging",),
+    tables=ANSWERS,
+    priority=1,
+    shown=False,
+)
+SEED_ENSEMBLE = Step(
+    "seed_ensemble",
+    rule="search_stages_with_other_seeds",
+    message="Searches for stage currents with other seeds: {chunk}",
+    settings=_seed_ensemble,
+    reads=(
+        *_PROBLEM,
+        *("staging.weights.{first}", "staging.searches", "staging.use", "staging.replicates", "staging.evaluations"),
+        *("ensemble", "published"),
+    ),
+    takes=("staging",),
+    tables=ANSWERS,
+    priority=1,
+    shown=False,
+)
+
+
 def nodes(study: Any) -> Iterator[Node]:
     """Yield every search with the first weights, the one that is used with all; what they come to; the front."""
     if study.staging is None:
         return
-    asked = study.staging
-    first, mode = next(iter(asked.weights)), asked.mode
+    staging = study.staging
+    first, mode = next(iter(staging.weights)), staging.mode
     made = [
-        _search(mode, weights, name, asked.searches[name]["kind"])
-        for weights in asked.weights
-        for name in asked.searches
-        if weights == first or name == asked.use
+        _search(mode, weights, name, staging.searches[name]["kind"])
+        for weights in staging.weights
+        for name in staging.searches
+        if weights == first or name == staging.use
     ]
     yield from made
     own = study.study.name
@@ -144,6 +202,23 @@ def nodes(study: Any) -> Iterator[Node]:
     yield Node(GATHER_STEP, "staging", own, which, inputs=runs, shown=GATHER_STEP.places("staging"))
     which = {"mode": mode, "weights": first}
     yield Node(FRONT_STEP, "front", own, which, shown=FRONT_STEP.places("front"))
+    which = {"mode": mode, "first": first}
+    yield from _ensembles(study, which, tuple(registry.module_name(one["kind"]) for one in staging.searches.values()))
+
+
+def _ensembles(study: Any, which: Mapping[str, Any], modules: tuple[str, ...]) -> Iterator[Node]:
+    """Yield the charges over the ranges of the estimated parameters, and the searches with other seeds."""
+    own, given = study.study.name, {"staging": "staging"}
+    estimated = estimates(study.sources, ("battery", "staging.current_a"))
+    if study.ensemble.slow_points and estimated["ranges"] and asked(study.published, ("staging", "front")):
+        shown = {"ensemble.parquet": "published/ensemble_of_stages.parquet"}
+        yield Node(STAGE_ENSEMBLE, f"{NAME}/staging", own, {**which, "estimated": estimated}, given, shown)
+    read = " ".join(str(value["quantity"]) for value in asked(study.published, ("staging",), "search"))
+    compared = [name for name in study.staging.searches if name in read or name == study.staging.use]
+    if study.ensemble.experiments and read:
+        shown = {"ensemble.parquet": "published/ensemble_of_stage_searches.parquet"}
+        which = {**which, "compared": compared}
+        yield Node(SEED_ENSEMBLE, f"{NAME}/staging_search", own, which, given, shown, modules=modules)
 
 
 def _search(mode: str, weights: str, search: str, kind: str) -> Node:
@@ -167,7 +242,7 @@ def _used(config: Any) -> dict[str, Any]:
 
 EXPERIMENT = Experiment(
     title="the currents of a staged charge, searched for",
-    steps=(SEARCH_STEP, GATHER_STEP, FRONT_STEP),
+    steps=(SEARCH_STEP, GATHER_STEP, FRONT_STEP, STAGE_ENSEMBLE, SEED_ENSEMBLE),
     nodes=nodes,
     part=StagingPart,
     parameters=("staging", "calibrations.*"),

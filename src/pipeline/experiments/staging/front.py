@@ -43,7 +43,12 @@ class Gain(NamedTuple):
 
 
 def evolved(problem: Problem, settings: FrontSettings, seed: int) -> Points:
-    """Return the front that NSGA-II finds (Deb et al. 2002, DOI 10.1109/4235.996017, by pymoo)."""
+    """Return the front that NSGA-II finds."""
+    return _points(charge(problem.grid, evolved_currents(problem, settings, seed)), problem.reading)
+
+
+def evolved_currents(problem: Problem, settings: FrontSettings, seed: int) -> Array:
+    """Return the currents of NSGA-II's front [A], (n, stages) (Deb et al. 2002, DOI 10.1109/4235.996017, by pymoo)."""
     from pymoo.algorithms.moo.nsga2 import NSGA2
     from pymoo.core.problem import Problem as Asked
     from pymoo.optimize import minimize
@@ -63,7 +68,7 @@ def evolved(problem: Problem, settings: FrontSettings, seed: int) -> Points:
             out["G"] = excess_of(found, problem.limits, ambient_c)[:, None]
 
     result = minimize(TimeAndRise(), NSGA2(pop_size=settings.population), ("n_gen", settings.generations), seed=seed)
-    return _points(charge(problem.grid, np.atleast_2d(result.X)), problem.reading)
+    return np.atleast_2d(np.asarray(result.X, dtype=float))
 
 
 def scanned(problem: Problem, settings: FrontSettings, starts: Array) -> Points:

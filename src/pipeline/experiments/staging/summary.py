@@ -133,10 +133,11 @@ class Found(NamedTuple):
 
 def quantities(found: Found, rng: np.random.Generator) -> list[Quantity]:
     """Return every number; `rng` draws the resamples of the intervals."""
-    return [*_printed(found), *_weighted(found), *_kept(found), *_baselines(found), *_searches(found, rng)]
+    return [*of_printed(found), *_weighted(found), *_kept(found), *of_baselines(found), *_searches(found, rng)]
 
 
-def _printed(found: Found) -> Iterator[Quantity]:
+def of_printed(found: Found) -> Iterator[Quantity]:
+    """Yield what the printed currents come to, and the scale of the objective."""
     shown = charge(found.problem.grid, found.printed[None, :])
     scale = found.problem.scale()
     yield _number("printed_time_s", float(shown.time_s[0]))
@@ -146,7 +147,7 @@ def _printed(found: Found) -> Iterator[Quantity]:
         yield _number("printed_rise_after_stage_{stage}_k", rise, stage=n)
     yield _number("printed_peak_v", float(shown.peak_v.max()))
     yield _number("printed_mean_current_a", float(np.sum(found.problem.grid.charge_as)) / float(shown.time_s[0]))
-    yield _number("printed_largest_increase_a", _increase(found.printed))
+    yield _number("printed_largest_increase_a", increase(found.printed))
     yield _number("printed_stages", len(found.printed))
     yield _number("fastest_s", scale.fastest_s)
     yield _number("slowest_s", scale.slowest_s)
@@ -174,7 +175,7 @@ def _weighted(found: Found) -> Iterator[Quantity]:
         yield number("{weights}_time_s", float(rows.time_s[2]))
         for reading in READINGS:
             yield number("{weights}_{reading}_k", float(rows.rise_k(reading)[2]), reading=reading)
-        yield number("{weights}_largest_increase_a", _increase(ours.currents_a))
+        yield number("{weights}_largest_increase_a", increase(ours.currents_a))
         for reading in READINGS:
             come_to = found.cases[f"{name}_best_{reading}"].charged(problem)
             yield number("{weights}_best_{reading}_s", float(come_to.time_s[0]), reading=reading)
@@ -192,7 +193,8 @@ def _kept(found: Found) -> Iterator[Quantity]:
         yield _number("same_time_{kept}_k", rise, kept=kept)
 
 
-def _baselines(found: Found) -> Iterator[Quantity]:
+def of_baselines(found: Found) -> Iterator[Quantity]:
+    """Yield the constant currents that the printed ones are held against."""
     nothing = Constant(np.nan, np.nan, np.nan, np.nan)
     same_time = found.constants.get("same_time", nothing)
     yield _number("constant_same_time_a", same_time.current_a)
@@ -207,6 +209,11 @@ def _baselines(found: Found) -> Iterator[Quantity]:
 def _searches(found: Found, rng: np.random.Generator) -> Iterator[Quantity]:
     first = next(iter(found.weights))
     best = next(q.value for q in _weighted(found) if q.name == f"{first}_best_value")
+    yield from of_searches(found, best, rng)
+
+
+def of_searches(found: Found, best: float, rng: np.random.Generator) -> Iterator[Quantity]:
+    """Yield what the searches come to; `best` is the least objective there is, `rng` draws the intervals' resamples."""
     rise = f"{found.problem.reading}_k"
     for name, runs in found.runs.items():
         number = partial(_number, search=name)
@@ -245,7 +252,8 @@ def _differences(found: Found, rise: str, rng: np.random.Generator) -> Iterator[
         yield number("value_{use}_over_{other}_high", chance.high)
 
 
-def _increase(currents: Sequence[float] | Array) -> float:
+def increase(currents: Sequence[float] | Array) -> float:
+    """Return the largest step up between stages [A]; 0 where there is none."""
     return max(0.0, float(np.max(np.diff(currents)))) if len(currents) > 1 else 0.0
 
 

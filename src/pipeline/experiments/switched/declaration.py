@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from typing import Any
 
 from pipeline.converter.records import BOOST
 from pipeline.experiments.switched.choices import check
-from pipeline.kernel.experiment import Experiment, Node, Step
+from pipeline.kernel.draft import plain
+from pipeline.kernel.experiment import FOUND, Experiment, Node, Step
 from pipeline.kernel.tables import NUMBERS, Column, Table, TableFile
+from pipeline.published.ensemble import ANSWERS, NAME, asked, estimates
 
 _CHARGE = (
     Column("comparison", "", "name of the comparison", "text"),
@@ -121,6 +123,58 @@ SWITCHED_STEP = Step(
 )
 
 
+def _ensemble_settings(
+    config: Any, charges: list[tuple[str, str]], modes: list[str], estimated: Mapping[str, Any], **_: Any
+) -> dict[str, Any]:
+    return {
+        "battery": {**plain(config.battery), "title": config.battery.name},
+        "modes": {name: {**plain(config.modes[name]), "title": name} for name in modes},
+        "charge": config.charge,
+        "engine": config.engine,
+        "switched": config.converter.switched,
+        "bus_voltage_v": config.converter.bus_voltage_v,
+        "charges": charges,
+        "comparisons": {name: config.comparisons[name].mean_current_of for name, _ in charges},
+        "points": config.ensemble.slow_points,
+        "estimated": estimated,
+        "seed": config.seed,
+        "asked": asked(config.published, (SWITCHED_STEP.name,)),
+    }
+
+
+SAMPLED = Step(
+    "switched_ensemble",
+    rule="switch_over_estimates",
+    message="Converters, switch by switch, over the ranges of estimated parameters: {chunk}",
+    settings=_ensemble_settings,
+    reads=(
+        *("battery", "modes.{modes}", "charge", "engine", "converter.switched", "converter.bus_voltage_v"),
+        *("comparisons", "ensemble", "seed", "published"),
+    ),
+    takes=("engine", "supply", FOUND),
+    tables=ANSWERS,
+    priority=1,
+    shown=False,
+)
+
+
+def _ensemble(study: Any, charges: list[tuple[str, str]]) -> Iterator[Node]:
+    """Yield the first window of the charges that statements read, over the ranges of the estimated parameters."""
+    read = asked(study.published, (SWITCHED_STEP.name,))
+    rows = [one["where"] for one in read if "where" in one]
+    own = [pair for pair in charges if any((row["comparison"], row["mode"]) == pair for row in rows)]
+    references = {study.comparisons[comparison].mean_current_of for comparison, _ in own} - {None}
+    modes = sorted({mode for _, mode in own} | references)
+    parts = ("battery", "charge", "converter.switched", *(f"modes.{mode}" for mode in modes))
+    estimated = estimates(study.sources, parts)
+    if not (study.ensemble.slow_points and study.charge.windows and own and estimated["ranges"]):
+        return
+    inputs = {"engine": "engine", "supply": "supply"}
+    shown = {"ensemble.parquet": "published/ensemble_of_switches.parquet"}
+    which = {"charges": own, "modes": modes, "estimated": estimated}
+    yield Node(SAMPLED, f"{NAME}/switched", study.study.name, which, inputs, shown)
+
+
 def nodes(study: Any) -> Iterator[Node]:
     """Yield the node, where the study's converters are given switch by switch."""
     if study.converter is None or study.converter.switched is None or study.panel is None:
@@ -135,11 +189,12 @@ def nodes(study: Any) -> Iterator[Node]:
         inputs={name: name for name in names},
         shown=SWITCHED_STEP.places("switched"),
     )
+    yield from _ensemble(study, charges)
 
 
 EXPERIMENT = Experiment(
     title="the steps of the pulses at the resolution of the converters' switches",
-    steps=(SWITCHED_STEP,),
+    steps=(SWITCHED_STEP, SAMPLED),
     nodes=nodes,
     checks=(check,),
     inputs=lambda study: ("switched",) if study.converter is not None else (),

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from typing import Any
 
 from pydantic import Field
@@ -11,6 +11,7 @@ from pipeline.experiments.trade_off.records import TRADE_OFF_NUMBERS, TradeOff, 
 from pipeline.kernel.draft import plain
 from pipeline.kernel.experiment import FOUND, Experiment, Label, Node, Step
 from pipeline.kernel.tables import NUMBERS, Column, Table, TableFile
+from pipeline.published.ensemble import ANSWERS, NAME, asked, estimates
 from pipeline.record import Record
 
 
@@ -60,6 +61,16 @@ def _untitled(chosen: dict[str, Any]) -> dict[str, Any]:
     return chosen | named
 
 
+def _ensemble_settings(config: Any, modes: list[str], estimated: Mapping[str, Any]) -> dict[str, Any]:
+    return {
+        **_settings(config, modes),
+        "points": config.ensemble.slow_points,
+        "estimated": estimated,
+        "seed": config.seed,
+        "asked": asked(config.published, (WEIGH.name,)),
+    }
+
+
 WEIGH = Step(
     "trade_off",
     rule="weigh_time_against_temperature",
@@ -74,14 +85,33 @@ WEIGH = Step(
 )
 
 
+SAMPLED = Step(
+    "trade_off_ensemble",
+    rule="weigh_over_estimates",
+    message="Charge time against peak temperature over the ranges of estimates: {chunk}",
+    settings=_ensemble_settings,
+    reads=(*WEIGH.reads, "ensemble", "seed", "published"),
+    takes=("engine", FOUND),
+    tables=ANSWERS,
+    priority=1,
+    shown=False,
+)
+
+
 def nodes(study: Any) -> Iterator[Node]:
     """Yield the trade-off of a study that has one, with those of its two modes that are charged."""
     chosen = study.trade_off
     if chosen is None:
         return
-    which = {"modes": [name for name in study.run if name in (chosen.candidate, chosen.rule)]}
+    which: dict[str, Any] = {"modes": [name for name in study.run if name in (chosen.candidate, chosen.rule)]}
     shown = WEIGH.places("trade_off")
     yield Node(WEIGH, "trade_off", study.study.name, which, {"engine": "engine"}, shown)
+    parts = ("battery", "charge", "trade_off", *(f"modes.{name}" for name in which["modes"]))
+    estimated = estimates(study.sources, parts)
+    if study.ensemble.slow_points and estimated["ranges"] and asked(study.published, (WEIGH.name,)):
+        shown = {"ensemble.parquet": "published/ensemble_of_trade_off.parquet"}
+        which |= {"estimated": estimated}
+        yield Node(SAMPLED, f"{NAME}/trade_off", study.study.name, which, {"engine": "engine"}, shown)
 
 
 def _fields(study: Any) -> dict[str, Any]:
@@ -94,7 +124,7 @@ def _label(config: Any) -> dict[str, Any]:
 
 EXPERIMENT = Experiment(
     title="charge time against peak temperature",
-    steps=(WEIGH,),
+    steps=(WEIGH, SAMPLED),
     nodes=nodes,
     part=TradeOffPart,
     parameters=("trade_off",),

@@ -8,7 +8,7 @@ from typing import NamedTuple
 
 from pipeline.cell.records import Battery
 from pipeline.charge.records import ChargeSettings, EngineSettings, Mode
-from pipeline.charge.simulate import BENCH, simulate
+from pipeline.charge.simulate import BENCH, Charge, Task, simulate_many
 from pipeline.charge.waveforms import Sampled
 from pipeline.experiments.trade_off.records import (
     CONSTANT,
@@ -56,25 +56,24 @@ def trade_off(
     """
     sampled = {name: mode for name, mode in modes.items() if samples(mode)}
     first = next(iter(chosen.conditions))
-
-    def charged(law: str, mode: Mode, condition: str, rate: float = math.nan, stop: str = "", sensor: str = "") -> Row:
-        settings = _settings(charge, chosen.conditions[condition], chosen.full_soc)
-        return _row(battery, mode, settings, engine, Row(law, rate, stop, condition, sensor, *_BLANK))
-
-    rows = [
-        charged(CONSTANT, mode, condition, rate, stop)
+    asked = [
+        (Row(CONSTANT, rate, stop, condition, "", *_BLANK), mode)
         for condition in chosen.conditions
         for rate, stop, mode in _constants(chosen)
     ]
-    rows += [
-        charged(name, mode, condition, sensor=OWN) for condition in chosen.conditions for name, mode in sampled.items()
+    asked += [
+        (Row(name, math.nan, "", condition, OWN, *_BLANK), mode)
+        for condition in chosen.conditions
+        for name, mode in sampled.items()
     ]
-    rows += [
-        charged(name, behind(mode, sensor), first, sensor=of)
+    asked += [
+        (Row(name, math.nan, "", first, of, *_BLANK), behind(mode, sensor))
         for of, sensor in chosen.sensors.items()
         for name, mode in sampled.items()
     ]
-    return rows
+    settings = {name: _settings(charge, one, chosen.full_soc) for name, one in chosen.conditions.items()}
+    done = simulate_many(Task(battery, mode, BENCH, settings[row.condition], engine) for row, mode in asked)
+    return [_row(battery, charged, settings[row.condition], row) for (row, _), charged in zip(asked, done, strict=True)]
 
 
 def samples(mode: Mode) -> bool:
@@ -117,8 +116,8 @@ def _settings(charge: ChargeSettings, condition: Condition, full_soc: float) -> 
     )
 
 
-def _row(battery: Battery, mode: Mode, settings: ChargeSettings, engine: EngineSettings, blank: Row) -> Row:
-    summary = {row.quantity: row for row in simulate(battery, mode, BENCH, settings, engine).summary}
+def _row(battery: Battery, charged: Charge, settings: ChargeSettings, blank: Row) -> Row:
+    summary = {row.quantity: row for row in charged.summary}
 
     def number(name: str) -> float:
         value = summary[name].value
