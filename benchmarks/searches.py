@@ -22,7 +22,7 @@ import yaml
 
 from pipeline.search.benchmark_functions import Problem, problem
 from pipeline.search.box import Box
-from pipeline.search.compiled import Compiled
+from pipeline.search.moves import Compiled
 from pipeline.search.registry import algorithm, replicated, settings_from
 
 CONF = Path(__file__).parents[1] / "conf"

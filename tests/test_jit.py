@@ -15,9 +15,9 @@ from pipeline.jit import Folder, cache_folder, kernel
 from pipeline.kernel.digest import PACKAGE
 
 ASK = """
-from pipeline.search import compiled
-compiled.sine_squared(0.3)
-found = compiled.sine_squared.stats
+from pipeline.search import moves
+moves.sine_squared(0.3)
+found = moves.sine_squared.stats
 print(sum(found.cache_hits.values()), sum(found.cache_misses.values()))
 """
 

@@ -10,19 +10,17 @@ from pipeline.objective.optimum import (
     discharge_resistor_loss_w,
     error_mw,
     frequency_loss_w,
-    integral_square_error,
-    objective,
-    switching_energy_j,
-)
-from pipeline.objective.records import Transistor, Waveform
-from pipeline.objective.ripple import (
     impedance_minimum_hz,
     impedance_ohm,
+    integral_square_error,
     mean_current_a,
+    objective,
     resonance_hz,
     ripple_square_a2,
     steps,
+    switching_energy_j,
 )
+from pipeline.objective.records import Transistor, Waveform
 
 ENERGY = 3.757e-6
 FREQUENCIES = [1, 10, 30, 50, 70, 90, 120, 200, 500, 1000]

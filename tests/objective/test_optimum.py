@@ -12,11 +12,12 @@ from pipeline.objective.optimum import (
     integral_square_error,
     objective,
     optimal_frequency_hz,
+    steps,
+    switched_currents_a,
     switching_energy_j,
     with_capacitance,
 )
 from pipeline.objective.records import Pairs, Waveform
-from pipeline.objective.ripple import steps, switched_currents_a
 from pipeline.search.algorithms import sweep
 
 ENERGY = 3.757e-6

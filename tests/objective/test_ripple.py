@@ -8,8 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy.integrate import solve_ivp
 
-from pipeline.objective.records import Pairs, Waveform
-from pipeline.objective.ripple import (
+from pipeline.objective.optimum import (
     Steps,
     mean_current_a,
     pair_loss_w,
@@ -19,6 +18,7 @@ from pipeline.objective.ripple import (
     steps,
     switched_currents_a,
 )
+from pipeline.objective.records import Pairs, Waveform
 
 CYCLES = np.geomspace(1e-3, 1e3, 61)
 

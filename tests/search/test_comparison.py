@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 from scipy.stats import mannwhitneyu
 
+from pipeline.search.box import History, iterations_until
 from pipeline.search.comparison import (
     compare,
     effect,
@@ -12,7 +13,6 @@ from pipeline.search.comparison import (
     mean_with_interval,
     vargha_delaney,
 )
-from pipeline.search.history import History, iterations_until
 
 
 def history(paths):

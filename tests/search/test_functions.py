@@ -7,7 +7,7 @@ import pytest
 from scipy.optimize import rosen
 
 from pipeline.search.benchmark_functions import BENCHMARKS, random_rotation, rotated, shifted
-from pipeline.search.history import History
+from pipeline.search.box import History
 from pipeline.search.registry import replicated, settings_from
 
 _SWARM = {

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from pipeline.jit import jit
-from pipeline.search.compiled import sine, sine_squared
+from pipeline.search.moves import sine, sine_squared
 
 
 @jit

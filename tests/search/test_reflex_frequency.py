@@ -5,9 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from pipeline.objective.optimum import objective, optimal_frequency_hz, switching_energy_j
+from pipeline.objective.optimum import objective, optimal_frequency_hz, steps, switched_currents_a, switching_energy_j
 from pipeline.objective.records import Pairs, ReflexFrequency, Waveform
-from pipeline.objective.ripple import steps, switched_currents_a
 from pipeline.search.comparison import compare, final_distance, iterations_within
 from pipeline.search.registry import replicated, settings_from
 from tests.cards import card

@@ -7,8 +7,7 @@ from pydantic import ValidationError
 from pipeline.record import Record
 from pipeline.search import registry
 from pipeline.search.algorithms import swarm, sweep
-from pipeline.search.box import SearchSettings
-from pipeline.search.history import History
+from pipeline.search.box import History, SearchSettings
 
 VALUES = {"kind": "sweep", "title": "sweep", "points": 11, "variables": {"x": {"low": 0.0, "high": 1.0}}}
 

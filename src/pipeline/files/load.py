@@ -12,17 +12,16 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from pipeline.bus.load import Drawn
-from pipeline.bus.records import WEEKDAYS, LoadProfile, MeasuredLoad, ProfileLoad
+from pipeline.bus.records import WEEKDAYS, Drawn, LoadProfile, MeasuredLoad, ProfileLoad
 from pipeline.errors import UserError
 from pipeline.files import headings, profiles, quantities
 from pipeline.files.cells import Table
 from pipeline.files.clock import Clock, clock_of, local_s, placed
 from pipeline.files.content import digest
 from pipeline.files.days import midnight_s, span, usual_step_s
+from pipeline.files.headings import values
 from pipeline.files.moments import DAY_S
 from pipeline.files.read import table
-from pipeline.files.values import values
 from pipeline.files.weather import date_of, weather_rows
 from pipeline.record import OwnFile
 from pipeline.weather.records import Weather

@@ -10,15 +10,14 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from pipeline.bus.load import Drawn
-from pipeline.bus.records import MeasuredLoad
+from pipeline.bus.records import Drawn, MeasuredLoad
 from pipeline.errors import UserError, best_matches
 from pipeline.files import quantities
 from pipeline.files.cells import Table, Torn, number, plain, shown
+from pipeline.files.headings import values
 from pipeline.files.moments import DAY_S
 from pipeline.files.quantities import GRADIENT, RATE, TEMPERATURE, Quantity
 from pipeline.files.read import table
-from pipeline.files.values import values
 from pipeline.record import OwnFile
 
 Array = NDArray[np.float64]

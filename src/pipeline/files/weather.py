@@ -13,9 +13,8 @@ from numpy.typing import NDArray
 from pipeline.errors import UserError
 from pipeline.files import headings, quantities
 from pipeline.files.days import Day, Rows, day_of
-from pipeline.files.headings import Found
+from pipeline.files.headings import Found, values
 from pipeline.files.pvlib_files import Header
-from pipeline.files.values import values
 from pipeline.files.weather_file import WeatherFile, ask, opened, transposed, zone_of
 from pipeline.weather.measured import Measured
 from pipeline.weather.records import LIGHT, ClearSky, MeasuredWeather, Place, Surface, Weather

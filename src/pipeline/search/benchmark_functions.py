@@ -14,10 +14,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pipeline.jit import jit
-from pipeline.search.box import Box
-from pipeline.search.compiled import Compiled, sine_squared
+from pipeline.search.box import Box, Objective
 from pipeline.search.function_records import CENTRED, HALF_WIDTHS, ROTATED
-from pipeline.search.history import Objective
+from pipeline.search.moves import Compiled, sine_squared
 
 Array = NDArray[np.float64]
 

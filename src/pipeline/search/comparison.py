@@ -9,7 +9,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from pipeline.search.history import History, iterations_until
+from pipeline.search.box import History, iterations_until
 
 Array = NDArray[np.float64]
 

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from pydantic import Field, model_validator
 
 from pipeline.record import Record
-from pipeline.search.history import History
+from pipeline.search.box import History
 from pipeline.search.streams import Generators
 
 Array = NDArray[np.float64]

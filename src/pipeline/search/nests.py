@@ -7,10 +7,20 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from pipeline.search.box import Box, CuckooSettings
-from pipeline.search.compiled import Compiled
-from pipeline.search.history import History, Objective
-from pipeline.search.moves import BLOCK, Course, Draws, Law, Nests, advance, draws, fly_all, keep_all, walk_all
+from pipeline.search.box import Box, CuckooSettings, History, Objective
+from pipeline.search.moves import (
+    BLOCK,
+    Compiled,
+    Course,
+    Draws,
+    Law,
+    Nests,
+    advance,
+    draws,
+    fly_all,
+    keep_all,
+    walk_all,
+)
 from pipeline.search.streams import Generators
 
 Array = NDArray[np.float64]

@@ -16,8 +16,7 @@ from pydantic import BeforeValidator, GetJsonSchemaHandler, SerializeAsAny
 
 from pipeline.errors import best_matches
 from pipeline.search import algorithms
-from pipeline.search.box import Box, SearchSettings
-from pipeline.search.history import History, Objective, joined
+from pipeline.search.box import Box, History, Objective, SearchSettings, joined
 from pipeline.search.streams import generators
 
 

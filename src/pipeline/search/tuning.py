@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pipeline.search.algorithms.swarm import Knobs, Settings, knobs, run
-from pipeline.search.history import History, Objective
+from pipeline.search.box import History, Objective
 from pipeline.search.streams import generators
 
 Array = NDArray[np.float64]

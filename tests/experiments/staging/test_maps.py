@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 from pipeline.experiments.staging.maps import largest, never_limited, stage_maps, weighted
 from pipeline.experiments.staging.records import Currents, Weights
 from pipeline.experiments.staging.stage_charges import Limits, charge, objective_of, scale_of, value_of
-from pipeline.search.compiled import Compiled
+from pipeline.search.moves import Compiled
 from tests.experiments.staging.staged import CALIBRATIONS, CURRENTS, LIMITS, grid, shipped, simple
 
 EVEN = Weights(time=5.0, rise=5.0)

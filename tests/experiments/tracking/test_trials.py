@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from pipeline.experiments.tracking.records import TRACKING_NUMBERS
-from pipeline.experiments.tracking.summary import settling, steady, summary
+from pipeline.experiments.tracking.shading import settling, steady, summary
 from pipeline.experiments.tracking.tracking import captured, profile
 from pipeline.tracker.loop import available
 from pipeline.weather.clear_sky import sky_of

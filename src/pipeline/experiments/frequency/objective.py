@@ -12,18 +12,22 @@ from numpy.typing import NDArray
 from pipeline.experiments.frequency.tuning_tables import OBJECTIVE_NUMBERS
 from pipeline.kernel.artefacts import Inputs, Output
 from pipeline.objective.optimum import (
+    Steps,
     band_hz,
     breakdown,
     contour_energy_j,
     discharge_resistor_loss_w,
     error_mw,
     frequency_map_hz,
+    impedance_minimum_hz,
     integral_square_error,
     optimal_frequency_hz,
+    resonance_hz,
+    steps,
+    switched_currents_a,
     switching_energy_j,
 )
 from pipeline.objective.records import Pairs, ReflexFrequency, Waveform
-from pipeline.objective.ripple import Steps, impedance_minimum_hz, resonance_hz, steps, switched_currents_a
 from pipeline.quantity import Quantity
 
 

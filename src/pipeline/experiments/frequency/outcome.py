@@ -9,8 +9,8 @@ from typing import NamedTuple
 import numpy as np
 
 from pipeline.quantity import Quantity, Vocabulary
+from pipeline.search.box import History
 from pipeline.search.comparison import Difference, Summary, compare, final_distance, iterations_within
-from pipeline.search.history import History
 
 VARIABLE = "frequency_hz"
 """What is searched, and the value found."""

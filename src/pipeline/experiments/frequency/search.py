@@ -12,8 +12,8 @@ from pipeline.experiments.frequency.outcome import VARIABLE, outcome
 from pipeline.kernel.artefacts import Inputs, Output
 from pipeline.objective.optimum import objective_of
 from pipeline.objective.records import Problem
+from pipeline.search.box import History
 from pipeline.search.comparison import Difference, Summary
-from pipeline.search.history import History
 from pipeline.search.registry import replicated, settings_from
 
 

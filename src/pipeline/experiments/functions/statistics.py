@@ -9,9 +9,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pipeline.search.benchmark_functions import problem
+from pipeline.search.box import History
 from pipeline.search.comparison import vargha_delaney
 from pipeline.search.function_records import FunctionStudy
-from pipeline.search.history import History
 from pipeline.search.registry import replicated, replicated_alike
 
 _POINTS_OF_A_CURVE = 120

@@ -22,7 +22,7 @@ from numpy.typing import NDArray
 from pipeline.experiments.staging.kernel import FOUND, ORDER, Grid, charge_stages
 from pipeline.experiments.staging.records import Currents
 from pipeline.jit import inlined, jit
-from pipeline.search.compiled import Compiled
+from pipeline.search.moves import Compiled
 
 Array = NDArray[np.float64]
 

@@ -12,8 +12,7 @@ from pipeline.experiments.staging.optimum import problem_of
 from pipeline.experiments.staging.records import READINGS, StagingProblem
 from pipeline.experiments.staging.stage_charges import Charges, charge, objective_of
 from pipeline.kernel.artefacts import Inputs, Output
-from pipeline.search.box import SearchSettings
-from pipeline.search.history import History
+from pipeline.search.box import History, SearchSettings
 from pipeline.search.registry import replicated, settings_from
 
 Array = NDArray[np.float64]

@@ -12,7 +12,7 @@ from pydantic import TypeAdapter
 from pipeline.converter.records import SwitchedBoost
 from pipeline.experiments.tracking import shading
 from pipeline.experiments.tracking.records import Ramps, Tracking
-from pipeline.experiments.tracking.summary import summary
+from pipeline.experiments.tracking.shading import summary
 from pipeline.kernel.artefacts import Inputs, Output
 from pipeline.panel.records import Panel
 from pipeline.panel.single_diode import SingleDiode

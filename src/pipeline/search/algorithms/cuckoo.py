@@ -19,8 +19,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from pipeline.search.box import Box, CuckooSettings
-from pipeline.search.history import History, Objective
+from pipeline.search.box import Box, CuckooSettings, History, Objective
 from pipeline.search.streams import generators
 
 Settings = CuckooSettings

@@ -8,8 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 from pydantic import Field
 
-from pipeline.search.box import Box, SearchSettings
-from pipeline.search.history import History, Objective, Recorder
+from pipeline.search.box import Box, History, Objective, Recorder, SearchSettings
 
 Array = NDArray[np.float64]
 

@@ -10,8 +10,7 @@ from typing import Any, Literal
 import numpy as np
 from pydantic import Field
 
-from pipeline.search.box import Box, SearchSettings
-from pipeline.search.history import History, Objective, drive
+from pipeline.search.box import Box, History, Objective, SearchSettings, drive
 
 
 class Settings(SearchSettings):

@@ -14,8 +14,7 @@ from numpy.typing import NDArray
 from pydantic import Field
 
 from pipeline.record import Number, Reference
-from pipeline.search.box import Box, SearchSettings
-from pipeline.search.history import History, Objective
+from pipeline.search.box import Box, History, Objective, SearchSettings
 from pipeline.search.streams import STREAMS, Generators, Rand, generators
 
 Array = NDArray[np.float64]

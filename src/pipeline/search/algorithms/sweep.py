@@ -9,8 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 from pydantic import Field, model_validator
 
-from pipeline.search.box import Box, SearchSettings
-from pipeline.search.history import History, Objective, joined
+from pipeline.search.box import Box, History, Objective, SearchSettings, joined
 
 Array = NDArray[np.float64]
 
