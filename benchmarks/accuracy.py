@@ -25,7 +25,7 @@ def engine(soc: float) -> dict[str, np.ndarray]:
     last = np.flatnonzero(np.diff(result.waveform["window"], append=-1))
     return {
         "soc": result.trace["soc"],
-        "temperature_k": result.trace["Surface Temperature T1 / degC"] + 273.15,
+        "temperature_k": result.trace["Surface Temperature / degC"] + 273.15,
         "voltage_v": result.waveform["voltage_v"][last],
         "side": result.trace["side_current_a"],
         "current": result.trace["Current / A"],

@@ -100,7 +100,7 @@ def test_samples_lie_between_periods():
         ("soc", 1e-9),
         ("Charging Capacity / Ah", 1e-9),
         ("Discharging Energy / Wh", 1e-8),
-        ("Surface Temperature T1 / degC", 1e-7),
+        ("Surface Temperature / degC", 1e-7),
         ("Current / A", 5e-6),
         ("Voltage / V", 5e-6),
         ("voltage_min_v", 1e-3),
@@ -213,7 +213,7 @@ def test_pulses_warm_a_cooled_battery_by_the_exponential():
     trace = charge(cooled, mode, settings(0.1), engine=AVERAGED).trace
     # Mean heat 0.9 x 2 x 0.05 x 2^2 W; within a period the rise follows the pulse, a microkelvin from the mean.
     expected = 25.0 + 0.36 * 3.0 * -np.expm1(-trace["Test Time / s"] / 300.0)
-    assert trace["Surface Temperature T1 / degC"] == pytest.approx(expected, abs=5e-6)
+    assert trace["Surface Temperature / degC"] == pytest.approx(expected, abs=5e-6)
 
 
 @pytest.mark.parametrize("time_constant_s", [0.002, 0.3, 40.0])

@@ -98,7 +98,7 @@ def test_a_network_commands_as_a_loop_by_hand_does(interval, step, span):
 
 def test_the_current_lags_by_one_sample():
     trace = charge(NICKEL, controlled(380, {"sample_interval_s": 20.0}), settings(0.3, **AT_30)).trace
-    temperature = np.concatenate([[30.0], trace["Surface Temperature T1 / degC"]])[::20]
+    temperature = np.concatenate([[30.0], trace["Surface Temperature / degC"]])[::20]
     current = trace["Current / A"][::20]
     rate = np.diff(temperature, prepend=temperature[0]) / 20.0
     assert current[0] == pytest.approx(0.6 * response(30.0, 0.0), rel=1e-9)
@@ -112,7 +112,7 @@ def test_a_plain_rule_switches_once():
     assert set(np.round(current, 6)) == {4.8, 0.06}
     assert np.count_nonzero(np.diff(np.round(current, 6))) == 1
     time = int(np.argmax(current < 1.0))
-    temperature = trace["Surface Temperature T1 / degC"]
+    temperature = trace["Surface Temperature / degC"]
     # The reading two samples ago, less the one before it, was the first to reach the rate.
     assert temperature[time - 2] - temperature[time - 3] >= 0.05 > temperature[time - 3] - temperature[time - 4]
 
@@ -146,7 +146,7 @@ def test_a_second_phase_starts_afresh():
     }
     mode = Mode(title="Twice", sample_interval_s=5.0, phases=phases, stop={"elapsed_s": 700})
     trace = charge(NICKEL, mode, settings(0.3, **AT_30)).trace
-    before = trace["Surface Temperature T1 / degC"][599]
+    before = trace["Surface Temperature / degC"][599]
     assert trace["Current / A"][602] == pytest.approx(0.6 * response(before, 0.0), rel=1e-9)
 
 

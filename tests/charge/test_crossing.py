@@ -124,7 +124,7 @@ def meeting(cell, what):
     if what == "soc":
         return {"soc": float(free.trace["soc"][half])}
     if what == "temperature_c":
-        return {"temperature_c": float(free.trace["Surface Temperature T1 / degC"][half])}
+        return {"temperature_c": float(free.trace["Surface Temperature / degC"][half])}
     # Between the peaks of two periods.
     return {"voltage_v": float(free.trace["voltage_max_v"][half]) + 1e-6}
 

@@ -37,7 +37,7 @@ def test_a_battery_of_larger_plates_goes_the_same_way_at_the_same_rate():
     one = charge(LEAD, periodic("reflex", charge_a=2.1, discharge_a=0.5, **knobs), settings(0.9))
     k = 18 / 7
     other = charge(large, periodic("reflex", charge_a=2.1 * k, discharge_a=0.5 * k, **knobs), settings(0.9))
-    for name in ("Voltage / V", "soc", "Surface Temperature T1 / degC", "voltage_max_v"):
+    for name in ("Voltage / V", "soc", "Surface Temperature / degC", "voltage_max_v"):
         assert other.trace[name] == pytest.approx(one.trace[name], rel=1e-11)
     assert other.trace["Current / A"] == pytest.approx(k * one.trace["Current / A"], rel=1e-11)
 

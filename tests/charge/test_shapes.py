@@ -39,7 +39,7 @@ def test_nickel_cadmium_knee_and_drop(rate, peak_v, drop_s, warm_c):
         stop={"elapsed_s": 1.3 * drop_s},
     )
     trace = charge(battery("nicd_2s_600mah"), mode, settings(0.02, ambient_c=30, sample_interval_s=1)).trace
-    voltage, temperature = trace["Voltage / V"], trace["Surface Temperature T1 / degC"]
+    voltage, temperature = trace["Voltage / V"], trace["Surface Temperature / degC"]
     top = int(np.argmax(voltage))
     fallen = top + int(np.argmax(voltage[top:] < voltage[top] - 0.01))
     assert voltage[top] == pytest.approx(peak_v, abs=0.02)
@@ -53,7 +53,7 @@ def test_nickel_cadmium_knee_and_drop(rate, peak_v, drop_s, warm_c):
 def test_nickel_cadmium_cools_at_one_c():
     mode = Mode(title="Slow", current_c_rate=1, phases={"charge": {"constant_current": {}}}, stop={"elapsed_s": 3600})
     trace = charge(battery("nicd_2s_600mah"), mode, settings(0.02, ambient_c=30)).trace
-    assert trace["Surface Temperature T1 / degC"].min() == pytest.approx(27.0, abs=0.3)
+    assert trace["Surface Temperature / degC"].min() == pytest.approx(27.0, abs=0.3)
 
 
 def test_a_full_nickel_cadmium_cell_takes_eight_c():

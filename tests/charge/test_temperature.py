@@ -149,9 +149,9 @@ def test_a_held_voltage_follows_the_temperature_between_its_clamps(begin_c, driv
     assert warmest > HIGH_C if begin_c < LOW_C else min(row[2] for row in rows) - 273.15 < LOW_C
     end = rows[-1]
     assert found["soc"][-1] == pytest.approx(end[0], abs=2e-8)
-    assert found["Surface Temperature T1 / degC"][-1] + 273.15 == pytest.approx(end[2], abs=2e-5)
+    assert found["Surface Temperature / degC"][-1] + 273.15 == pytest.approx(end[2], abs=2e-5)
     limited = found["voltage_limited_share"] == 1.0
-    expected = CELLS * np.array([lifted(c + 273.15) for c in found["Surface Temperature T1 / degC"][limited]])
+    expected = CELLS * np.array([lifted(c + 273.15) for c in found["Surface Temperature / degC"][limited]])
     # Within a sample the battery's temperature moves by less than 0.45 K.
     assert found["Voltage / V"][limited] == pytest.approx(expected, abs=CELLS * abs(SLOPE) * 0.45)
     assert found["voltage_max_v"][limited] == pytest.approx(expected, abs=CELLS * abs(SLOPE) * 0.45)
@@ -203,7 +203,7 @@ def test_a_voltage_reached_is_that_of_the_temperature():
         stop={"elapsed_s": 7000.0}, temperature_coefficient_v_per_k_cell=-0.005, reference_temperature_c=25.0,
     )  # fmt: skip
     found = charge(cell(), mode, settings(0.3, ambient_c=35.0))
-    end_c = found.trace["Surface Temperature T1 / degC"][-1]
+    end_c = found.trace["Surface Temperature / degC"][-1]
     soc = found.trace["soc"][-1]
     # The pair lags its falling resistance by its time constant.
     pair_v = PAIR_OHM + 0.01 * (1 - soc) + 0.01 * TAU_S / CAPACITY_AS

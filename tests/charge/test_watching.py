@@ -32,7 +32,7 @@ def fine(request):
     engine = EngineSettings(tolerance=1e-11, maximum_step_s=FINE_S)
     conditions = settings(0.02, ambient_c=30.0, sample_interval_s=FINE_S)
     trace = charge(NICKEL, constant(rate, 1.1 * 3600 / rate), conditions, engine=engine).trace
-    return rate, trace["Test Time / s"], trace["Voltage / V"], trace["Surface Temperature T1 / degC"]
+    return rate, trace["Test Time / s"], trace["Voltage / V"], trace["Surface Temperature / degC"]
 
 
 def first_crossing(time, values_over, level):

@@ -28,7 +28,7 @@ def test_a_day_of_constant_sun_is_the_plain_charge(name, power_w):
     plain = simulate(BATTERY, mode(name), supply, settings, EngineSettings())
     found = day(name, sun([power_w], interval_s=6 * HOUR))
     rows = len(plain.trace["soc"])
-    for column in ("Test Time / s", "soc", "Voltage / V", "Current / A", "Surface Temperature T1 / degC"):
+    for column in ("Test Time / s", "soc", "Voltage / V", "Current / A", "Surface Temperature / degC"):
         np.testing.assert_array_equal(found.trace[column][:rows], plain.trace[column])
     summary = {one.quantity: one.value for one in plain.summary}
     assert found.changes[-1].after == ENDED
@@ -102,7 +102,7 @@ def test_temperature_changes_the_mode_where_it_is_reached():
     assert changes(found)[1] == (MODE_2, "temperature 25.5 degC")
     at = found.changes[1].time_s
     assert 600.0 < at < 3600.0
-    rows, warm = found.trace["Test Time / s"], found.trace["Surface Temperature T1 / degC"]
+    rows, warm = found.trace["Test Time / s"], found.trace["Surface Temperature / degC"]
     assert warm[rows <= at].max() <= 25.5
     assert warm[rows > at].min() > 25.49
 
@@ -148,7 +148,7 @@ def test_a_resting_battery_follows_the_air():
     air = np.array([10.0, 30.0, 5.0])
     conditions = CONDITIONS.model_copy(update={"initial_soc": 0.3})
     found = day("cc_cv", sun([0.0] * 3, interval_s=1800.0, ambient_c=air), conditions=conditions)
-    rows, warm = found.trace["Test Time / s"], found.trace["Surface Temperature T1 / degC"]
+    rows, warm = found.trace["Test Time / s"], found.trace["Surface Temperature / degC"]
     expected, tau_s = air[0], BATTERY.thermal.heat_capacity_j_k * BATTERY.thermal.resistance_k_w
     for step, outside in enumerate(air, start=1):
         expected = outside + (expected - outside) * np.exp(-1800.0 / tau_s)

@@ -93,7 +93,7 @@ def test_readings_do_not_hold_over_a_pause():
     conditions = AT.model_copy(update={"initial_soc": 0.3})
     found = day(MODES["network"], around, conditions)
     time, current = found.trace["Test Time / s"], found.trace["Current / A"]
-    warm = found.trace["Surface Temperature T1 / degC"]
+    warm = found.trace["Surface Temperature / degC"]
     at = int(np.searchsorted(time, 631.0))
     assert OFF in {change.after for change in found.changes}
     assert current[at] == pytest.approx(0.6 * response(warm[at - 1], 0.0), rel=1e-6)

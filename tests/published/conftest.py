@@ -48,7 +48,7 @@ def write_charge(folder: Path, summary: Numbers, bulk_end_s: float = 3600.0, fin
     time = np.linspace(100.0, 10_000.0, 100)
     trace: dict[str, Any] = {name: np.zeros(100) for name in output.columns("trace")}
     trace["Test Time / s"], trace["soc"] = time, final_soc * time / time[-1]
-    trace["Step Index / 1"] = np.ones(100, dtype=np.int64)
+    trace["Step Count / 1"] = np.ones(100, dtype=np.int64)
     output.write("trace", trace)
     phases = {
         "phase": ["bulk", "pulses"],

@@ -125,7 +125,7 @@ def _write_charge(folder: Path, numbers: dict[str, float]) -> None:
     output = making.output("charge", folder)
     time = np.linspace(10.0, 1000.0, 100)
     trace: dict[str, Any] = {name: np.zeros(100) for name in output.columns("trace")}
-    trace |= {"Test Time / s": time, "Current / A": 5.0 * time / 1000.0, "Step Index / 1": np.ones(100, dtype=np.int64)}
+    trace |= {"Test Time / s": time, "Current / A": 5.0 * time / 1000.0, "Step Count / 1": np.ones(100, dtype=np.int64)}
     output.write("trace", trace)
 
 

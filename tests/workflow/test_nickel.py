@@ -43,7 +43,7 @@ def test_the_found_network_commands_the_charge(made: tuple[Project, Path, Path])
     found = store.found_value(project.folder / "results/store/network" / key, "genetic")
     network = ChargerNetwork.model_validate(found).compiled()
     trace = tables.read(declared("charge")["trace"].table, view / "charge/stopped/grnn.bdf.parquet")
-    temperature = np.concatenate([[30.0], trace["Surface Temperature T1 / degC"]])
+    temperature = np.concatenate([[30.0], trace["Surface Temperature / degC"]])
     for second in (5, 100, 300, 450):
         rate = temperature[second - 1] - temperature[second - 2]
         expected = 0.6 * command(network, temperature[second - 1], rate)

@@ -52,12 +52,12 @@ def trace(outcome: Outcome, ambient_c: float) -> Columns:
         "Test Time / s",
         "Voltage / V",
         "Current / A",
-        "Step Index / 1",
+        "Step Count / 1",
         "Charging Capacity / Ah",
         "Discharging Capacity / Ah",
         "Charging Energy / Wh",
         "Discharging Energy / Wh",
-        "Surface Temperature T1 / degC",
+        "Surface Temperature / degC",
         "soc",
         "voltage_min_v",
         "voltage_max_v",
@@ -68,8 +68,8 @@ def trace(outcome: Outcome, ambient_c: float) -> Columns:
         "voltage_limited_share",
     )
     columns: Columns = {name: row.copy() for name, row in zip(names, rows, strict=True)}
-    columns["Step Index / 1"] = columns["Step Index / 1"].astype(np.int64)
-    columns["Surface Temperature T1 / degC"] -= ZERO_CELSIUS_K
+    columns["Step Count / 1"] = columns["Step Count / 1"].astype(np.int64)
+    columns["Surface Temperature / degC"] -= ZERO_CELSIUS_K
     columns["Ambient Temperature / degC"] = np.full(rows.shape[1], ambient_c)
     return columns
 

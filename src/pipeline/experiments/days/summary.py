@@ -75,7 +75,7 @@ def trace(charge: DayCharge, sun: Sunlight, chain: PowerChain, clock_s: float) -
         "current_a": engine["Current / A"],
         "voltage_v": engine["Voltage / V"],
         "soc": engine["soc"],
-        "temperature_c": engine["Surface Temperature T1 / degC"],
+        "temperature_c": engine["Surface Temperature / degC"],
         "supply_limited_share": engine["supply_limited_share"],
         "voltage_limited_share": engine["voltage_limited_share"],
     }

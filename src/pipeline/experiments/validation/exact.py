@@ -88,7 +88,7 @@ def _warmth(driver: str, cooling_k_w: float) -> tuple[Array, Array]:
         rise_k = settled_k * -np.expm1(-time_s / lag_s)
     else:
         rise_k = plain.pulsed_rise(0.0, settled_k, lag_s, time_s / plain.PERIOD_S)
-    return time_s, np.asarray(trace["Surface Temperature T1 / degC"]) - plain.AMBIENT_C - rise_k
+    return time_s, np.asarray(trace["Surface Temperature / degC"]) - plain.AMBIENT_C - rise_k
 
 
 def _step_of_a_pair() -> tuple[Array, Array]:

@@ -101,7 +101,7 @@ def _series(trace: Columns, name: str) -> tuple[NDArray[np.float64], NDArray[np.
     """Return times and values; means over an interval and its rate stand in its middle."""
     time = trace["Test Time / s"]
     before = np.concatenate([[0.0], time[:-1]])
-    temperature = trace["Surface Temperature T1 / degC"]
+    temperature = trace["Surface Temperature / degC"]
     if name == "temperature":
         return time, temperature
     if name == "soc":

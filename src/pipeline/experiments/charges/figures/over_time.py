@@ -49,7 +49,7 @@ QUANTITIES = {
     "current": Quantity("Current / A", "Current [A]", band=("current_min_a", "current_max_a"), is_mean=True),
     "voltage": Quantity("Voltage / V", "Voltage [V]", band=("voltage_min_v", "voltage_max_v"), is_mean=True),
     "soc": Quantity("soc", "State of charge [%]", factor=100.0),
-    "temperature": Quantity("Surface Temperature T1 / degC", "Battery temperature [°C]"),
+    "temperature": Quantity("Surface Temperature / degC", "Battery temperature [°C]"),
 }
 
 

@@ -50,7 +50,7 @@ def draw(figure: FigureCard, data: ReportData) -> Figure:
     phases = data.charge(found[0], options.mode, "phases")
     ambient = float(trace["Ambient Temperature / degC"][0])
     seconds = np.concatenate([[0.0], trace["Test Time / s"]])
-    kelvin = np.concatenate([[0.0], trace["Surface Temperature T1 / degC"] - ambient])
+    kelvin = np.concatenate([[0.0], trace["Surface Temperature / degC"] - ambient])
     mark = style.MARKS[0]
     current.step(trace["Test Time / s"], trace["Current / A"], where="pre", color=mark.colour)
     rise.plot(seconds, kelvin, color=mark.colour, label="computed")
