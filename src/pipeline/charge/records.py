@@ -129,7 +129,7 @@ class ChargeSettings(Record):
     initial_temperature_c: float | None = Field(
         None, ge=-40, le=80, description="temperature of the battery at the start; the ambient's where not given [degC]"
     )
-    sample_interval_s: float = Field(10.0, gt=0, description="interval of the trace [s]")
+    sample_interval_s: float = Field(10.0, ge=1e-3, description="interval of the trace [s]")
     soc_marks: list[float] = Field(default_factory=list, description="states of charge whose times are reported [1]")
     windows: list[Window] = Field(default_factory=list, description="stretches kept at full resolution")
 
@@ -156,6 +156,8 @@ class EngineSettings(Record):
     )
     tolerance: float = Field(1e-6, gt=1e-13, le=1e-3, description="error of a step relative to current and voltage [1]")
     maximum_step_s: float = Field(
-        60.0, gt=0, description="longest step; strides over periods take up to twice that [s]"
+        60.0, ge=1e-3, le=3600, description="longest step; strides over periods take up to twice that [s]"
     )
-    maximum_steps: int = Field(200_000_000, ge=1, description="steps after which a charge is given up")
+    maximum_steps: int = Field(
+        200_000_000, ge=1, le=10_000_000_000, description="steps after which a charge is given up"
+    )

@@ -101,10 +101,11 @@ class Composed:
                 return word
         return None
 
-    def touched(self, path: str) -> bool:
-        """Tell whether an override sets something at a key path or below it."""
-        keys = [word.split("=", 1)[0].lstrip("+~").partition("@") for word in self.overrides]
-        return any(f"{package or group}.".startswith(f"{path}.") for group, _, package in keys)
+    def touched(self, path: str) -> str | None:
+        """Return the first override that sets something at a key path or below it, or None."""
+        keys = [(word, word.split("=", 1)[0].lstrip("+~").partition("@")) for word in self.overrides]
+        fitting = (word for word, (group, _, package) in keys if f"{package or group}.".startswith(f"{path}."))
+        return next(fitting, None)
 
     def origin(self, path: str) -> str:
         """Return where a key path was set: an override, or a YAML file with the line."""

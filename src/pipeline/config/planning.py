@@ -7,6 +7,7 @@ from dataclasses import replace
 from typing import Any
 
 from pipeline.config.compose import compose_tree
+from pipeline.config.effort import check_effort
 from pipeline.config.study import study_from
 from pipeline.kernel import digest, plan, registry
 from pipeline.kernel.draft import drafts, plain
@@ -43,7 +44,10 @@ def run_name(overrides: Sequence[str]) -> str:
 
 def run_of(words: Sequence[str]) -> plan.Run:
     """Compose one run."""
-    study = study_from(compose_tree(words))
+    composed = compose_tree(words)
+    study = study_from(composed)
+    made = drafts(study)
+    check_effort(composed, study, made)
     return plan.Run(
         study.study.name,
         run_name(study.overrides),
@@ -51,7 +55,7 @@ def run_of(words: Sequence[str]) -> plan.Run:
         study.seed,
         study.configuration,
         plain(study.sources),
-        tuple(drafts(study)),
+        tuple(made),
         warnings=tuple(line for one in registry.experiments().values() for line in one.warns(study)),
     )
 

@@ -10,6 +10,7 @@ from typing import Any
 from pydantic import Field, ValidationError, create_model, field_validator
 
 from pipeline.config.compose import Composed, options
+from pipeline.config.effort import Limits
 from pipeline.config.messages import explain
 from pipeline.config.sources import Source, attribute, check_references, leaves, split
 from pipeline.errors import UserError, best_matches
@@ -62,6 +63,7 @@ class StudyRoot(Record):
 
     study: StudyCard
     seed: int = Field(ge=0, description="root of every random stream")
+    limits: Limits = Field(default=Limits(), description="what a run may take; part of no key")
     sources: dict[str, Source] = Field(default_factory=dict)
     overrides: tuple[str, ...] = Field(default=(), description="the overrides, without the choice of the study")
     configuration: dict[str, Any] = Field(description="the composed configuration as plain data")
@@ -117,6 +119,11 @@ def study_from(composed: Composed) -> Any:
     return study
 
 
+def _apart(word: str) -> bool:
+    """Tell whether an override makes no other run of a study: the choice of the study, and what the run may take."""
+    return word.startswith("study=") or word.lstrip("+~").split("=")[0].split(".")[0] == "limits"
+
+
 def _refuse_own(composed: Composed, values: Mapping[str, Any], written: Mapping[str, Any]) -> None:
     """Refuse what the program itself puts at the root, and sources of what is not there."""
     for path in sorted({"overrides", "configuration", "run"} & set(values)):
@@ -133,8 +140,9 @@ def _validated(composed: Composed, values: dict[str, Any]) -> Any:
     try:
         return model(
             **values,
-            overrides=tuple(word for word in composed.overrides if not word.startswith("study=")),
-            configuration=values,
+            overrides=tuple(word for word in composed.overrides if not _apart(word)),
+            # What a run may take changes nothing of what it makes.
+            configuration={key: value for key, value in values.items() if key != "limits"},
         )
     except ValidationError as error:
         raise explain(error, values, "", composed.origin, model) from None

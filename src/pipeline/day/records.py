@@ -15,9 +15,9 @@ class DayConditions(Record):
 
     initial_soc: float = Field(ge=0, lt=1, description="state of charge at first light [1]")
     switching: Switching
-    sample_interval_s: float = Field(default=60.0, gt=0, description="interval of the trace [s]")
+    sample_interval_s: float = Field(default=60.0, ge=0.01, description="interval of the trace [s]")
     ambient_step_s: float = Field(
-        default=1800.0, gt=0, description="steps in which the air around the battery warms and cools [s]"
+        default=1800.0, ge=1, le=86400, description="steps in which the air around the battery warms and cools [s]"
     )
     bus_swing_share: float = Field(
         default=0.0,

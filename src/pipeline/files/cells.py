@@ -261,6 +261,7 @@ class Stamp(NamedTuple):
     universal: bool
 
 
+_LONGEST = 100
 _POINT = re.compile(r"[+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?", re.ASCII)
 _COMMA = re.compile(r"[+-]?(?:\d+,\d*|,\d+)(?:[eE][+-]?\d+)?", re.ASCII)
 _GROUPED = re.compile(r"[+-]?\d{1,3}(?:\.\d{3})+,\d+", re.ASCII)
@@ -302,7 +303,8 @@ def shown(value: Any) -> str:
     """Return a value as a message says it."""
     if value is None or value == "":
         return "empty"
-    return f"value {value!r}" if isinstance(value, str) else f"value {value}"
+    text = repr(value) if isinstance(value, str) else str(value)
+    return f"value {text if len(text) <= _LONGEST else text[:_LONGEST] + '...'}"
 
 
 _HEIGHT = re.compile(r"(?:at|@)?\s*\d+(?:\.\d+)?\s*(?:m|ft|feet)\b|_?\d+m$", re.IGNORECASE)

@@ -32,8 +32,8 @@ class Widths(Record):
 class AnfisSettings(Record):
     """The adaptive neuro-fuzzy network and its hybrid learning (Jang 1993)."""
 
-    temperature_sets: int = Field(ge=2, description="membership functions over temperature [1]")
-    gradient_sets: int = Field(ge=2, description="membership functions over the gradient [1]")
+    temperature_sets: int = Field(ge=2, le=64, description="membership functions over temperature [1]")
+    gradient_sets: int = Field(ge=2, le=64, description="membership functions over the gradient [1]")
     epochs: int = Field(ge=1, description="passes over the data [1]")
     step: float = Field(gt=0, description="first length of a step along the gradient [1]")
 

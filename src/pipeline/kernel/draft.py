@@ -51,6 +51,7 @@ def drafted(node: Node, study: Any) -> Draft:
         dict(node.shown),
         node.room,
         node.modules,
+        None if node.step.effort is None else node.step.effort(study, **node.which),
     )
 
 

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import Any, Protocol
+from typing import Any, NamedTuple, Protocol
 
 from pipeline.kernel.tables import TableFile
 
@@ -22,6 +22,18 @@ class Vocabulary(Protocol):
 
     def names(self, fields: Mapping[str, Iterable[object]]) -> set[str]:
         """Return every name, for the values that the fields may take."""
+
+
+class Effort(NamedTuple):
+    """What a node is likely to take, within a factor of a few.
+
+    `memory_b` is that of the step at its most [B], `time_s` that of one core [s]; `grows_with` are the key paths of the
+    configuration that it grows with, the steepest first.
+    """
+
+    memory_b: float
+    time_s: float
+    grows_with: tuple[str, ...]
 
 
 def _nothing(config: Any, **which: Any) -> dict[str, Any]:
@@ -47,6 +59,7 @@ class Step:
     chunk : nodes of a job, at most: in a single run, and in a sweep.
     priority : of its jobs among those that could start; the longest go first.
     files : patterns of files of the project that it reads beside its inputs; their content is part of its key.
+    effort : `(config, **which)` -> what a node is likely to take, where that can grow with the configuration.
     finds : whether it writes values that a configuration asks for with `{from: step, value: name}`.
     on_demand : whether it runs only where something asks for what it makes.
     needed_by_figures : whether a figure that reads it is left out where it is not made.
@@ -66,6 +79,7 @@ class Step:
     chunk: tuple[int, int] = (1, 1)
     priority: int = 0
     files: tuple[str, ...] = ()
+    effort: Callable[..., Effort] | None = None
     finds: bool = False
     on_demand: bool = False
     needed_by_figures: bool = False
@@ -108,7 +122,7 @@ class Draft:
     """A node before it has a key.
 
     `settings` is plain data; `reads` are the key paths of the configuration behind it, its provenance; the rest is
-    that of `Node`.
+    that of `Node`. `effort` is outside its key.
     """
 
     step: str
@@ -120,6 +134,7 @@ class Draft:
     shown: dict[str, str]
     room: str
     modules: tuple[str, ...]
+    effort: Effort | None = None
 
     @property
     def kind(self) -> str:

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
-from typing import Any, Literal, NamedTuple, Self, TypeAlias
+import math
+from collections.abc import Callable, Iterable, Mapping
+from typing import Annotated, Any, Literal, NamedTuple, Self, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
@@ -58,6 +59,33 @@ class SearchSettings(Record):
         return Box(low, np.array([interval.high for interval in self.variables.values()]))
 
 
+def evaluations(settings: Mapping[str, Any]) -> float:
+    """Return about how often a search evaluates its objective, with all its replicates: the product of its counts.
+
+    Arguments
+    ---------
+    settings : of any algorithm, as plain data; what is written as no number counts once.
+    """
+    return math.prod(_counts(settings).values())
+
+
+def kept_b(settings: Mapping[str, Any], dimensions: int) -> float:
+    """Return about how much memory a search holds [B]: positions of all replicates, and their histories."""
+    counts = _counts(settings)
+    replicates = counts.pop("replicates", 1.0)
+    return 4.0 * 8.0 * (dimensions + 2) * replicates * (sum(counts.values()) + 1.0)
+
+
+def _counts(settings: Mapping[str, Any]) -> dict[str, float]:
+    """Return the counts among settings: integers, and floats that can be nothing else."""
+    numbers = {key: value for key, value in settings.items() if type(value) in (int, float)}
+    return {
+        key: float(value)
+        for key, value in numbers.items()
+        if value > 0 and (isinstance(value, int) or (value >= 10.0 and value.is_integer()))
+    }
+
+
 class Box(NamedTuple):
     """Lower and upper ends, shape (d,) each."""
 
@@ -72,10 +100,12 @@ class ChaosSettings(Record):
     orbit_steps: int = Field(ge=2, description="steps of the orbit at r = 4, from its start [1]")
     r_low: float = Field(gt=0, lt=4, description="lowest parameter r [1]")
     r_points: int = Field(ge=2, description="parameters from the lowest to 4, both included [1]")
-    transient: int = Field(ge=0, description="steps left out before anything over r is counted [1]")
+    transient: int = Field(ge=0, le=10_000_000, description="steps left out before anything over r is counted [1]")
     bifurcation_steps: int = Field(ge=1, description="values kept for each r [1]")
     disorder_steps: int = Field(ge=100, description="steps over which disorder is measured, for each r [1]")
-    bins: tuple[int, ...] = Field(min_length=1, description="numbers of equal bins that visits are counted in [1]")
+    bins: tuple[Annotated[int, Field(ge=2, le=1_000_000)], ...] = Field(
+        min_length=1, max_length=64, description="numbers of equal bins that visits are counted in [1]"
+    )
 
     @model_validator(mode="after")
     def _chaotic(self) -> ChaosSettings:

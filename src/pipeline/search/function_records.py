@@ -49,7 +49,7 @@ class SearchGroup(Record):
 class FunctionStudy(Record):
     """Which searches run on which functions; every function in every placement."""
 
-    dimensions: int = Field(ge=2, description="dimensions of every function [1]")
+    dimensions: int = Field(ge=2, le=1000, description="dimensions of every function [1]")
     functions: tuple[str, ...] = Field(min_length=1, description="names of the functions")
     placements: tuple[Placement, ...] = Field(default=PLACEMENTS, description="where their minima are put")
     shift_share: float = Field(gt=0, le=1, description="farthest a minimum is moved, over half the cube's width [1]")

@@ -6,12 +6,13 @@ from collections.abc import Iterable, Iterator, Mapping
 from typing import Any
 
 from pipeline.charge.comparison import compared
+from pipeline.charge.effort import effort
 from pipeline.charge.vocabulary import SUMMARY
 from pipeline.config.compose import options
 from pipeline.experiments.charges.records import ChargesPart, check_modes, prepare, warn_modes
 from pipeline.experiments.charges.tables import CHARGE
 from pipeline.kernel.draft import plain
-from pipeline.kernel.experiment import FOUND, Experiment, Label, Node, Step
+from pipeline.kernel.experiment import FOUND, Effort, Experiment, Label, Node, Step
 from pipeline.published.ensemble import ANSWERS, NAME, asked, estimates
 
 _TEMPERATURES = ("charge.ambient_c", "charge.initial_temperature_c")
@@ -53,6 +54,20 @@ def _ensemble_settings(
     }
 
 
+_GROWS = ("charge.sample_interval_s", "charge.windows", "engine.maximum_step_s", "engine.maximum_steps")
+
+
+def _charge_effort(config: Any, cell: str, comparison: str, mode: str, reference: str | None) -> Effort:
+    memory_b, time_s = effort(config.modes[mode], config.charge, config.engine)
+    return Effort(memory_b, time_s, (*_GROWS, f"modes.{mode}"))
+
+
+def _ensemble_effort(config: Any, charges: list[tuple[str, str]], **_: Any) -> Effort:
+    modes = [config.modes[mode] for _, mode in charges]
+    whole_s = config.ensemble.points * sum(effort(mode, config.charge, config.engine)[1] for mode in modes)
+    return Effort(1e4 * config.ensemble.points * len(charges), whole_s, ("ensemble.points", *_GROWS))
+
+
 ENGINE = Step(
     "engine",
     rule="compile_engine",
@@ -64,6 +79,7 @@ CHARGED = Step(
     rule="charge_battery",
     message="Charge: {chunk}",
     settings=_charge_settings,
+    effort=_charge_effort,
     reads=("{cell}", "charge", "engine", "comparisons.{comparison}", "modes.{mode}", "modes.{reference}"),
     takes=("engine", "supply", FOUND),
     tables=CHARGE,
@@ -77,6 +93,7 @@ SAMPLED = Step(
     rule="charge_ensemble",
     message="Charges over the ranges of estimated parameters: {chunk}",
     settings=_ensemble_settings,
+    effort=_ensemble_effort,
     reads=("battery", "modes.{modes}", "charge", "engine", "ensemble", "seed", "comparisons", "published"),
     takes=("engine", "supply", FOUND),
     tables=ANSWERS,

@@ -9,6 +9,7 @@ from pydantic import Field
 
 from pipeline.bus.records import LoadProfile, MeasuredLoad, ProfileLoad
 from pipeline.charge import checks
+from pipeline.charge.effort import effort, longest_s
 from pipeline.charge.records import ChargeSettings
 from pipeline.config.compose import options
 from pipeline.day.records import Day, DayConditions
@@ -19,7 +20,7 @@ from pipeline.files.content import settings
 from pipeline.files.load import check_load, check_weather
 from pipeline.files.weather import date_of, told
 from pipeline.kernel.draft import plain
-from pipeline.kernel.experiment import FOUND, Experiment, Label, Node, Step
+from pipeline.kernel.experiment import FOUND, Effort, Experiment, Label, Node, Step
 from pipeline.kernel.tables import CHAOTIC, NOTES, NUMBERS, Column, Table, TableFile, numbers
 from pipeline.record import Record
 from pipeline.weather.records import Weather
@@ -199,11 +200,28 @@ def _bus_capacitance_f(config: Any) -> float:
     return 0.0 if switched is None else float(switched.boost.capacitance_f)
 
 
+def _day_effort(config: Any, weather: str, mode: str) -> Effort:
+    length_s, conditions = 3600.0 * config.day.longest_h, config.day.conditions()
+    charge = config.charge.model_copy(update={"sample_interval_s": conditions.sample_interval_s, "windows": []})
+    share = length_s / max(longest_s(config.modes[mode]), 1.0)
+    memory_b, time_s = effort(config.modes[mode], charge, config.engine)
+    paths = ("day.sample_interval_s", "day.ambient_step_s", "day.longest_h", "engine.maximum_step_s")
+    return Effort(share * memory_b, share * time_s + 1e-5 * length_s / conditions.ambient_step_s, paths)
+
+
+def _sky_effort(config: Any, weather: str) -> Effort:
+    # A weather of constant light has no interval, one from a file that of its rows.
+    rows = 3600.0 * config.day.longest_h / (getattr(config.day.weathers[weather], "interval_s", None) or 1.0)
+    paths = ("day.longest_h", f"day.weathers.{weather}")
+    return Effort(1000.0 * rows, 1e-4 * rows, paths)
+
+
 WEATHER_STEP = Step(
     "weather",
     rule="make_weather",
     message="Weather of a day: {chunk}",
     settings=_weather_settings,
+    effort=_sky_effort,
     reads=("day.weathers.{weather}", "charge.ambient_c", "day.longest_h"),
     tables=SKY,
     quantities=WEATHER_NUMBERS,
@@ -216,6 +234,7 @@ DAYLIGHT_STEP = Step(
     rule="follow_daylight",
     message="Daylight, from panel to battery: {chunk}",
     settings=_daylight_settings,
+    effort=_sky_effort,
     reads=("panel", "converter", "day.load", "day.tracker", "day.weathers.{weather}"),
     takes=("panel", "weather"),
     tables=LIGHT,
@@ -227,6 +246,7 @@ DAY_STEP = Step(
     rule="charge_over_day",
     message="Day in the sun: {chunk}",
     settings=_day_settings,
+    effort=_day_effort,
     reads=("converter", "battery", "engine", "modes.{mode}", *(f"day.{name}" for name in DayConditions.model_fields)),
     takes=("engine", "daylight", FOUND),
     tables=DAY,

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from typing import Any
 
@@ -12,11 +13,13 @@ from pipeline.experiments.frequency.outcome import VARIABLE
 from pipeline.experiments.frequency.tables import CHAOS, OBJECTIVE, SEARCH, SETS, TUNING
 from pipeline.experiments.frequency.tuning_tables import CHAOS_NUMBERS, OBJECTIVE_NUMBERS
 from pipeline.kernel.draft import plain
-from pipeline.kernel.experiment import Draft, Experiment, Label, Node, Step
+from pipeline.kernel.experiment import Draft, Effort, Experiment, Label, Node, Step
 from pipeline.published.ensemble import ANSWERS, NAME, asked, estimates
 from pipeline.search import registry
+from pipeline.search.box import evaluations, kept_b
 
 # The objective's terms of the battery, which a search does not see otherwise.
+_EVALUATION_S = 1e-6
 _PAIRS = ("battery.cells_in_series", "battery.pairs", "battery.capacity_ah", "battery.scaled_to_capacity_ah")
 _PROBLEM = ("objective.mode", "objective.soc", "objective.transistor", "objective.window_s", "modes.{mode}", *_PAIRS)
 
@@ -67,11 +70,38 @@ def _search_settings(config: Any, **_: Any) -> dict[str, Any]:
     return {"searches": listed, "problem": choices.problem(config), "seed": config.seed}
 
 
+def _chaos_effort(config: Any) -> Effort:
+    chosen = config.chaos
+    kept = chosen.orbit_steps + chosen.r_points * (chosen.bifurcation_steps + sum(chosen.bins) / len(chosen.bins))
+    steps = chosen.orbit_steps + chosen.r_points * (
+        chosen.transient + chosen.bifurcation_steps + chosen.disorder_steps * len(chosen.bins)
+    )
+    counts = ("bifurcation_steps", "disorder_steps", "transient", "r_points", "orbit_steps", "bins")
+    return Effort(40.0 * kept, 2e-8 * steps, tuple(f"chaos.{name}" for name in counts))
+
+
+def _search_effort(config: Any, **_: Any) -> Effort:
+    listed = [plain(one) for one in searches(config).values()]
+    counts = [f"{part}.{name}" for part in ("search", "oracle") for name in plain(getattr(config, part))]
+    paths = (*counts, "search.variants")
+    return Effort(sum(kept_b(one, 1) for one in listed), _EVALUATION_S * sum(map(evaluations, listed)), paths)
+
+
+def _tuning_effort(config: Any, **_: Any) -> Effort:
+    swarm = plain(config.search) | {"replicates": 1}
+    levels = math.prod(len(one) for one in config.design.factors.values())
+    array = len(config.design.array) if not isinstance(config.design.array, str) else levels
+    runs = array * config.design.replicates + levels * config.design.factorial_replicates
+    paths = ("design.replicates", "design.factorial_replicates", "search.particles", "search.iterations")
+    return Effort(runs * kept_b(swarm, 1), _EVALUATION_S * runs * evaluations(swarm), paths)
+
+
 CHAOS_STEP = Step(
     "chaos",
     rule="follow_logistic_map",
     message="Chaos: orbits and disorder of the logistic map: {chunk}",
     settings=lambda config: {"chaos": config.chaos},
+    effort=_chaos_effort,
     reads=("chaos",),
     tables=CHAOS,
     quantities=CHAOS_NUMBERS,
@@ -94,6 +124,7 @@ TUNING_STEP = Step(
     rule="tune_search",
     message="Tuning: the parameter design, printed and run anew: {chunk}",
     settings=_tuning_settings,
+    effort=_tuning_effort,
     reads=("design", "search", "seed", *_PROBLEM),
     tables=TUNING,
     quantities=tuning.VOCABULARY,
@@ -109,6 +140,7 @@ SEARCH_STEP = Step(
     rule="search_frequency",
     message="Search: the frequency, with all replicates and variants: {chunk}",
     settings=_search_settings,
+    effort=_search_effort,
     reads=("search", "oracle", "seed", *_PROBLEM),
     takes=("tuning",),
     tables=SEARCH,

@@ -8,10 +8,11 @@ from typing import Any
 from pydantic import Field
 
 from pipeline.experiments.functions.numbers import VOCABULARY, fields
-from pipeline.kernel.experiment import Experiment, Node, Step
+from pipeline.kernel.experiment import Effort, Experiment, Node, Step
 from pipeline.kernel.tables import CHAOTIC, ELSEWHERE, Column, Table, TableFile, numbers
 from pipeline.record import Record
 from pipeline.search import registry
+from pipeline.search.box import evaluations, kept_b
 from pipeline.search.function_records import FunctionStudy
 
 _WHERE = (
@@ -124,11 +125,26 @@ def _run_settings(config: Any, function: str) -> dict[str, Any]:
     return {"functions": own, "function": function, "seed": config.seed}
 
 
+def _effort(config: Any, function: str) -> Effort:
+    chosen = config.functions
+    groups = [one for one in (chosen.variants, chosen.baselines) if one is not None]
+    listed = [
+        {"replicates": group.replicates, **group.shared, **own} for group in groups for own in group.searches.values()
+    ]
+    size, places = chosen.dimensions, len(chosen.placements)
+    memory_b = places * (sum(kept_b(one, size) for one in listed) + 64.0 * size**2)
+    time_s = places * (2e-8 * size + 1e-9 * size**2) * sum(map(evaluations, listed))
+    counts = ("shared", "searches", "replicates")
+    paths = [f"functions.{group}.{name}" for group in ("variants", "baselines") for name in counts]
+    return Effort(memory_b, time_s, ("functions.dimensions", *paths))
+
+
 RUN_STEP = Step(
     "function_runs",
     rule="run_on_function",
     message="Test function, every search in every placement: {chunk}",
     settings=_run_settings,
+    effort=_effort,
     reads=("functions", "seed"),
     tables=FUNCTION_RUN,
     target="functions",

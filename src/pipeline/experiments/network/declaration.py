@@ -11,7 +11,7 @@ from pipeline.experiments.network.numbers import KERNELS, NETWORK, SIZES, SURFAC
 from pipeline.experiments.network.records import GRADIENT_SECONDS, LONG, NetworkPart
 from pipeline.files import profiles
 from pipeline.kernel import digest
-from pipeline.kernel.experiment import Experiment, Node, Step
+from pipeline.kernel.experiment import Effort, Experiment, Node, Step
 from pipeline.kernel.tables import CHAOTIC, NUMBERS, Column, Table, TableFile
 from pipeline.published.ensemble import ANSWERS, NAME, asked
 
@@ -163,6 +163,7 @@ VARIED = {"kernels": TableFile("kernels.parquet", KERNELS_TABLE), **NUMBERS}
 """What the step `network_kernels` writes."""
 
 
+_GRID = ("network.data.grid.temperatures", "network.data.grid.gradients")
 REFERENCE = "conf/published/reference/nicd_*.csv"
 
 
@@ -189,11 +190,65 @@ def _varying(config: Any) -> dict[str, Any]:
     return {"form": chosen.form, "genetic": chosen.selection.genetic, "kernels": chosen.kernels, "seed": config.seed}
 
 
+def _points(data: Any) -> float:
+    return float(profiles.MOST) if data.table is not None else float(data.grid.temperatures * data.grid.gradients)
+
+
+def _making_effort(config: Any) -> Effort:
+    points = _points(config.network.data)
+    return Effort(400.0 * points, 1e-6 * points, (*_GRID, "network.data.table"))
+
+
+def _selection_effort(config: Any, form: Any, selections: float, strings: float, paths: tuple[str, ...]) -> Effort:
+    """Return the effort of some selections of centres, each of a number of strings whose errors are computed."""
+    points = _points(config.network.data)
+    memory_b = 8.0 * points * (form.centres + 8.0) * 4.0 + 100.0 * selections
+    counts = (*(f"network.{path}" for path in paths), "network.selection.genetic.population", "network.form.centres")
+    return Effort(memory_b, 3e-9 * points * form.centres * selections * strings, (*counts, *_GRID))
+
+
+def _selecting_effort(config: Any) -> Effort:
+    chosen, anfis = config.network.selection, config.network.anfis
+    form, population = config.network.form, chosen.genetic.population
+    pairs, methods = len(form.widths.pairs()), len(chosen.methods)
+    trials = pairs * form.widths.trial_replicates * form.widths.trial_generations
+    whole = chosen.replicates * (form.widths.finalists * chosen.generations + chosen.long_generations)
+    found = _selection_effort(config, form, methods, population * (trials + whole), (
+        *("selection.replicates", "selection.generations", "selection.long_generations"),
+        *(f"form.widths.{name}" for name in type(form.widths).model_fields),
+        *(f"anfis.{name}" for name in type(anfis).model_fields),
+    ))  # fmt: skip
+    planes = 3.0 * anfis.temperature_sets * anfis.gradient_sets
+    learning_b = 8.0 * _points(config.network.data) * planes * 4.0
+    course_b = 40.0 * chosen.replicates * chosen.long_generations
+    memory_b = max(found.memory_b, learning_b) + course_b
+    learning_s = 1e-9 * anfis.epochs * _points(config.network.data) * planes**2
+    return found._replace(memory_b=memory_b, time_s=found.time_s + learning_s)
+
+
+def _sizing_effort(config: Any) -> Effort:
+    chosen = config.network.size
+    form = config.network.form.model_copy(update={"centres": chosen.largest})
+    sizes = chosen.largest - chosen.smallest + 1
+    strings = config.network.selection.genetic.population * chosen.generations
+    paths = tuple(f"size.{name}" for name in ("generations", "replicates", "largest"))
+    return _selection_effort(config, form, sizes * chosen.replicates, 0.5 * strings, paths)
+
+
+def _varying_effort(config: Any) -> Effort:
+    chosen, form = config.network.kernels, config.network.form
+    strings = config.network.selection.genetic.population * chosen.generations * len(form.widths.pairs())
+    return _selection_effort(
+        config, form, 15.0 * chosen.replicates, strings, ("kernels.generations", "kernels.replicates")
+    )
+
+
 MAKE = Step(
     "surface",
     rule="make_surface",
     message="Surface: the data of the network, and what could stand in for them: {chunk}",
     settings=_data,
+    effort=_making_effort,
     reads=("network.data",),
     tables=MADE,
     quantities=SURFACE,
@@ -206,6 +261,7 @@ SELECT = Step(
     rule="select_centres",
     message="Network: centres selected by every method: {chunk}",
     settings=_selecting,
+    effort=_selecting_effort,
     reads=("network.form", "network.selection", "network.anfis", "seed"),
     takes=("surface",),
     tables=SELECTED,
@@ -221,6 +277,7 @@ SIZE = Step(
     priority=10,
     message="Network size: error against the number of centres: {chunk}",
     settings=_sizing,
+    effort=_sizing_effort,
     reads=("network.form", "network.selection.genetic", "network.size", "seed"),
     takes=("surface",),
     tables=SIZED,
@@ -235,6 +292,7 @@ VARY = Step(
     priority=5,
     message="Network kernels: error under every kernel on every surface: {chunk}",
     settings=_varying,
+    effort=_varying_effort,
     reads=("network.form", "network.selection.genetic", "network.kernels", "seed"),
     takes=("surface",),
     tables=VARIED,
@@ -286,13 +344,18 @@ def check(study: Any) -> None:
     ------
     UserError : with the key path and the path of the file.
     """
-    table = None if study.network is None else study.network.data.table
-    if table is None:
+    if study.network is None:
         return
-    try:
-        profiles.read(Path(table), GRADIENT_SECONDS[study.network.data.gradient_unit])
-    except UserError as error:
-        raise UserError(f"network.data.table: {error}") from None
+    data, points = study.network.data, int(_points(study.network.data))
+    if data.table is not None:
+        try:
+            points = len(profiles.read(Path(data.table), GRADIENT_SECONDS[data.gradient_unit]).rate_c)
+        except UserError as error:
+            raise UserError(f"network.data.table: {error}") from None
+    size = study.network.size
+    for path, centres in (("form.centres", study.network.form.centres), ("size.largest", size.largest if size else 1)):
+        if centres > points:
+            raise UserError(f"network.{path}: {centres} centres of {points} points; allowed is as many as there are")
 
 
 def _found(study: Any) -> dict[str, tuple[str, ...]]:

@@ -13,10 +13,11 @@ from pipeline.experiments.staging.records import Staging
 from pipeline.experiments.staging.tables import GATHERED, SEARCH, TRADED
 from pipeline.experiments.staging.vocabulary import FRONT, SEARCHED
 from pipeline.kernel.draft import plain
-from pipeline.kernel.experiment import Experiment, Label, Node, Step
+from pipeline.kernel.experiment import Effort, Experiment, Label, Node, Step
 from pipeline.published.ensemble import ANSWERS, NAME, asked, estimates
 from pipeline.record import Record
 from pipeline.search import registry
+from pipeline.search.box import evaluations, kept_b
 
 
 class StagingPart(Record):
@@ -109,11 +110,41 @@ _PROBLEM = (
     *("battery", "modes.{mode}", "charge.initial_soc", "charge.ambient_c"),
     *("staging.mode", "staging.current_a", "staging.rise", "seed"),
 )
+_CHARGE_S = 5e-6
+_COUNTS = ("searches", "replicates", "evaluations")
+
+
+def _search_effort(config: Any, weights: str, search: str, **_: Any) -> Effort:
+    chosen, stages = config.staging, len(plan_of(config).currents_a)
+    own = {"replicates": chosen.replicates, **chosen.searches[search]}
+    paths = (f"staging.searches.{search}", *(f"staging.{name}" for name in _COUNTS))
+    return Effort(kept_b(own, stages), _CHARGE_S * stages * evaluations(own), paths)
+
+
+def _gathering_effort(config: Any, **_: Any) -> Effort:
+    chosen, stages = config.staging, len(plan_of(config).currents_a)
+    charges = 3.0 * chosen.chords + 5000.0 * chosen.starts * len(chosen.weights)
+    memory_b = 8.0 * stages * (8.0 * chosen.chords + 100.0 * chosen.starts)
+    return Effort(memory_b, _CHARGE_S * stages * charges, ("staging.chords", "staging.starts"))
+
+
+def _front_effort(config: Any, **_: Any) -> Effort:
+    chosen, stages = config.staging, len(plan_of(config).currents_a)
+    charges = chosen.front.population * chosen.front.generations + 5000.0 * chosen.starts * chosen.front.weights
+    batteries = 1.0 + len(config.calibrations)
+    paths = ("staging.front.generations", "staging.front.population", "staging.front.weights", "staging.starts")
+    # Sorting a generation into fronts compares each of its charges with each other.
+    memory_b = 80.0 * chosen.front.population**2 + 8.0 * stages * chosen.front.population * 40.0
+    sorting_s = 1e-8 * chosen.front.population**2 * chosen.front.generations
+    return Effort(memory_b, batteries * (_CHARGE_S * stages * charges + sorting_s), paths)
+
+
 SEARCH_STEP = Step(
     "staging_search",
     rule="search_stage_currents",
     message="Staging: searches for stage currents, with all replicates: {chunk}",
     settings=_search_settings,
+    effort=_search_effort,
     reads=(
         *_PROBLEM,
         *("staging.weights.{weights}", "staging.searches.{search}", "staging.replicates", "staging.evaluations"),
@@ -128,6 +159,7 @@ GATHER_STEP = Step(
     rule="gather_stage_currents",
     message="Staging: the best currents, and the searches against them: {chunk}",
     settings=_gathered_settings,
+    effort=_gathering_effort,
     reads=(
         *_PROBLEM,
         *("staging.weights", "staging.searches", "staging.use"),
@@ -146,6 +178,7 @@ FRONT_STEP = Step(
     rule="trade_time_for_rise",
     message="Front: charging time against temperature rise, under each calibration: {chunk}",
     settings=_front_settings,
+    effort=_front_effort,
     reads=(*_PROBLEM, "staging.weights.{weights}", "staging.front", "staging.starts", "calibrations"),
     tables=TRADED,
     quantities=FRONT,

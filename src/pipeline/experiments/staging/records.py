@@ -57,7 +57,7 @@ class Staging(Record):
     searches: dict[str, dict[str, Any]] = Field(min_length=1, description="settings by name, kind first; no box")
     use: str = Field(min_length=1, description="search whose currents are charged with")
     replicates: int = Field(ge=1, description="independent runs of every search that does not say otherwise [1]")
-    evaluations: int = Field(ge=10, description="charges at which the searches are compared [1]")
+    evaluations: int = Field(ge=10, le=10_000_000, description="charges at which the searches are compared [1]")
     starts: int = Field(ge=1, description="random starts of the local solver [1]")
     chords: int = Field(ge=0, description="random chords on which the rise is tested for convexity [1]")
     front: FrontSettings = Field(description="how the front of time and rise is found")

@@ -13,7 +13,7 @@ from pipeline.files.content import settings
 from pipeline.files.load import check_weather
 from pipeline.files.weather import told
 from pipeline.kernel.draft import plain
-from pipeline.kernel.experiment import Experiment, Label, Node, Step
+from pipeline.kernel.experiment import Effort, Experiment, Label, Node, Step
 from pipeline.kernel.tables import NOTES, Column, Table, TableFile
 from pipeline.panel.database import PanelEntry
 from pipeline.panel.records import (
@@ -115,11 +115,19 @@ class SupplyPart(Record):
     load: Load | None = None
 
 
+def _panel_effort(config: Any) -> Effort:
+    curves = config.panel_curves
+    points = len(curves.irradiances_w_m2) * len(curves.cell_temperatures_c) * curves.points_per_curve
+    counts = ("points_per_curve", "irradiances_w_m2", "cell_temperatures_c")
+    return Effort(200.0 * points, 2e-6 * points, tuple(f"panel_curves.{name}" for name in counts))
+
+
 PANEL_STEP = Step(
     "panel",
     rule="fit_panel",
     message="Panel: parameters, curves, maximum power: {chunk}",
     settings=lambda config: {"panel": config.panel, "curves": config.panel_curves},
+    effort=_panel_effort,
     reads=("panel", "panel_curves"),
     tables=PANEL,
     usual_table="points",

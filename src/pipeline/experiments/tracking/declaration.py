@@ -6,7 +6,7 @@ from collections.abc import Iterable, Iterator, Mapping
 from typing import Any
 
 from pipeline.experiments.tracking.records import CONVERTER_NUMBERS, TRACKING_NUMBERS, TrackingPart
-from pipeline.kernel.experiment import Experiment, Label, Node, Step
+from pipeline.kernel.experiment import Effort, Experiment, Label, Node, Step
 from pipeline.kernel.tables import NUMBERS, Column, Table, TableFile
 
 _TRACKER = Column("tracker", "", "name of the tracker", "text")
@@ -142,6 +142,20 @@ def _tracking_settings(config: Any) -> dict[str, Any]:
     }
 
 
+def _tracking_effort(config: Any) -> Effort:
+    chosen, trackers = config.tracking, config.trackers
+    ramps_s = sum(
+        2.0 * count * ((one.high_w_m2 - one.low_w_m2) / slope + one.dwell_s)
+        for one in chosen.ramps.values()
+        for slope, count in zip(one.slopes_w_m2_s, one.repetitions, strict=True)
+    )
+    shadows_s = len(chosen.shading.scenes) * (chosen.shading.light_s + chosen.shading.shade_s) if chosen.shading else 0
+    length_s = ramps_s + shadows_s + chosen.steady_s + 86400.0 * len(chosen.skies)
+    periods = sum(length_s / one.perturbation_period_s for one in trackers.values())
+    ramps = [f"tracking.ramps.{name}" for name in chosen.ramps]
+    return Effort(16.0 * periods, 3e-6 * periods, (*ramps, *(f"trackers.{name}" for name in trackers), "tracking"))
+
+
 def _converters_settings(config: Any) -> dict[str, Any]:
     panel = config.panel
     panels = panel.panels_in_series * panel.panels_in_parallel
@@ -157,6 +171,7 @@ TRACKING_STEP = Step(
     rule="try_trackers",
     message="Trackers: ramps, days, shadows: {chunk}",
     settings=_tracking_settings,
+    effort=_tracking_effort,
     reads=("panel", "converter.switched.boost", "converter.bus_voltage_v", "trackers", "tracking"),
     takes=("panel",),
     tables=TRIALS,

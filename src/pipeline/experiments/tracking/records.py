@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Annotated
+from typing import Annotated
 
 from pydantic import Field, model_validator
 
@@ -12,11 +12,7 @@ from pipeline.record import Record
 from pipeline.tracker.records import AnyTracker
 from pipeline.weather.records import ClearSky, CloudySky
 
-if TYPE_CHECKING:
-    pass
-
-
-Slope = Annotated[float, Field(gt=0, le=1000, description="slope of the irradiance [W/m2/s]")]
+Slope = Annotated[float, Field(ge=1e-3, le=1000, description="slope of the irradiance [W/m2/s]")]
 
 
 class Ramps(Record):
@@ -25,7 +21,9 @@ class Ramps(Record):
     low_w_m2: Irradiance
     high_w_m2: Irradiance
     slopes_w_m2_s: tuple[Slope, ...] = Field(min_length=1, description="slopes of the ramps [W/m2/s]")
-    repetitions: tuple[int, ...] = Field(description="how often each slope goes up and down [1]")
+    repetitions: tuple[Annotated[int, Field(le=1000)], ...] = Field(
+        description="how often each slope goes up and down [1]"
+    )
     dwell_s: float = Field(gt=0, le=600, description="time at both levels after each ramp [s]")
 
     @model_validator(mode="after")

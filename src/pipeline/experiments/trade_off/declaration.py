@@ -7,9 +7,10 @@ from typing import Any
 
 from pydantic import Field
 
+from pipeline.charge.effort import ROW_B
 from pipeline.experiments.trade_off.records import TRADE_OFF_NUMBERS, TradeOff, fields
 from pipeline.kernel.draft import plain
-from pipeline.kernel.experiment import FOUND, Experiment, Label, Node, Step
+from pipeline.kernel.experiment import FOUND, Effort, Experiment, Label, Node, Step
 from pipeline.kernel.tables import NUMBERS, Column, Table, TableFile
 from pipeline.published.ensemble import ANSWERS, NAME, asked, estimates
 from pipeline.record import Record
@@ -71,11 +72,23 @@ def _ensemble_settings(config: Any, modes: list[str], estimated: Mapping[str, An
     }
 
 
+def _effort(config: Any, modes: list[str]) -> Effort:
+    chosen, engine = config.trade_off, config.engine
+    whole_s = 3600.0 * max(chosen.give_up_share, chosen.timer_share) / min(chosen.c_rates)
+    tries = len(chosen.conditions) * len(chosen.c_rates) * (1 + len(chosen.stops) + len(chosen.sensors))
+    fastest_s = min([sensor.sample_interval_s for sensor in chosen.sensors.values()], default=60.0)
+    rows, steps = whole_s / min(config.charge.sample_interval_s, fastest_s), whole_s / engine.maximum_step_s
+    sensors = [f"trade_off.sensors.{name}.sample_interval_s" for name in chosen.sensors]
+    paths = (*sensors, "trade_off.c_rates", "charge.sample_interval_s", "engine.maximum_step_s")
+    return Effort(ROW_B * rows, 1e-6 * tries * (rows + steps), paths)
+
+
 WEIGH = Step(
     "trade_off",
     rule="weigh_time_against_temperature",
     message="Charge time against peak temperature: {chunk}",
     settings=_settings,
+    effort=_effort,
     reads=("trade_off", "battery", "modes.{modes}", "charge", "engine"),
     takes=("engine", FOUND),
     tables=WEIGHED,

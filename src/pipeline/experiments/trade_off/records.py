@@ -30,7 +30,7 @@ class Sensor(Record):
     """A sensor of the battery's temperature; its fields are knobs of the sampled modes."""
 
     title: str = Field(min_length=1, description="readable name")
-    sample_interval_s: float = Field(gt=0, description="time between samples [s]")
+    sample_interval_s: float = Field(ge=1e-3, le=86400, description="time between samples [s]")
     temperature_step_k: float = Field(0.0, ge=0, description="step of the reading; 0: none [K]")
     temperature_noise_k: float = Field(0.0, ge=0, description="standard deviation of the noise [K]")
     rate_span_s: float = Field(0.0, ge=0, description="span over which dT/dt is differenced; 0: one sample [s]")

@@ -85,8 +85,8 @@ class Conditions(Record):
 class FirstLaw(Record):
     """The batteries and modes that the first law is tried on."""
 
-    duration_s: float = Field(gt=0, description="length of every charge [s]")
-    bulk_s: float = Field(gt=0, description="length of its first phase, where that ends by time [s]")
+    duration_s: float = Field(gt=0, le=86400, description="length of every charge [s]")
+    bulk_s: float = Field(gt=0, le=86400, description="length of its first phase, where that ends by time [s]")
     batteries: dict[str, Battery] = Field(min_length=1, description="batteries by name")
     conditions: dict[str, Conditions] = Field(description="battery -> how it is charged")
     modes: dict[str, Mode] = Field(min_length=1, description="modes by name")
