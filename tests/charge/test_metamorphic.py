@@ -65,12 +65,12 @@ def test_a_window_shows_both_sides_of_every_edge():
 
 
 def test_the_same_mean_is_the_mean_of_a_period():
-    mode = at_same_mean(Mode(**load("modes/cv_reflex.yaml")), 2.1)
+    mode = at_same_mean(Mode(**load("modes/cv_reflex.yaml")), 2.1, 7.0)
     knobs = mode.knobs
     mean = knobs["charge_a"] * knobs["charge_share"] - knobs["discharge_a"] * knobs["discharge_share"]
     assert mean == pytest.approx(2.1, rel=1e-14)
     steady = Mode(**load("modes/cc_cv.yaml"))
-    assert at_same_mean(steady, 2.1) is steady
+    assert at_same_mean(steady, 2.1, 7.0) is steady
     unknown = load("modes/cv_reflex.yaml") | {"charge_share": {"from": "search", "value": "share"}}
     with pytest.raises(UserError, match="charge_share: still to be found"):
-        at_same_mean(Mode(**unknown), 2.1)
+        at_same_mean(Mode(**unknown), 2.1, 7.0)

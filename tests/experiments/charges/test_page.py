@@ -6,7 +6,9 @@ from pathlib import Path
 
 import pytest
 
-from pipeline.experiments.charges import page
+from pipeline.config.compose import compose_tree
+from pipeline.config.study import study_from
+from pipeline.experiments.charges import declaration, page
 from pipeline.report.tables import ModeLabel, ReportData
 from tests import making
 
@@ -78,3 +80,18 @@ def test_a_charge_that_missed_its_goal_is_told_in_a_sentence(tmp_path: Path) -> 
     labels = {"cc": ModeLabel("CC-CV"), "reflex": ModeLabel("CV-Reflex")}
     data = ReportData(making.inputs(inputs), labels, {"peak": "Same peak current"})
     assert page.notes(data) == ["CC-CV (Same peak current): SOC 0.95 not reached, SOC 0.18 at 8 h: 8 h time limit."]
+
+
+def test_the_page_says_which_currents_a_comparison_scaled() -> None:
+    words = ["study=solar_reflex", "battery=lead_acid_12v18ah", "modes.cc_cv.max_current_a=4.0"]
+    study = study_from(compose_tree(words))
+    settings = {"scaled": declaration.EXPERIMENT.labels["scaled"].make(study)}
+    modes = {name: ModeLabel(study.modes[name].title) for name in study.run}
+    data = ReportData(
+        making.inputs({}), modes, {name: card.title for name, card in study.comparisons.items()}, settings
+    )
+    told = "all currents times 1.905, the largest from 2.1 A to 4 A, to match CC-CV."
+    titles = [f"{title} ({comparison})" for comparison in ("same peak current", "same mean current")
+              for title in ("CV-pulse", "CV-Reflex")]  # fmt: skip
+    assert page.notes(data) == [f"{title}: {told}" for title in titles]
+    assert declaration.EXPERIMENT.labels["scaled"].make(study_from(compose_tree(words[:1]))) == {}

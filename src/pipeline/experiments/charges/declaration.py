@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator, Mapping
 from typing import Any
 
-from pipeline.charge.comparison import compared
+from pipeline.charge.comparison import compared, level_of, peak_current_a, scale
 from pipeline.charge.effort import effort
 from pipeline.charge.vocabulary import SUMMARY
 from pipeline.config.compose import options
@@ -22,8 +22,7 @@ SECOND = "second_charge"
 
 def _charge_settings(config: Any, cell: str, comparison: str, mode: str, reference: str | None) -> dict[str, Any]:
     battery, card = getattr(config, cell), config.comparisons[comparison]
-    other = None if reference is None else config.modes[reference]
-    run = compared(config.modes[mode], other, battery, card.stops)
+    run = compared(config.modes[mode], level_of(card.level(), config.modes), battery, card.stops)
     # No figure enlarges a charge of the second battery.
     charge = config.charge if cell == "battery" else config.charge.model_copy(update={"windows": []})
     return {
@@ -49,7 +48,7 @@ def _ensemble_settings(
         "seed": config.seed,
         "asked": asked(config.published, ("charge",)),
         "charges": charges,
-        "comparisons": {name: card.mean_current_of for name, card in cards.items()},
+        "comparisons": {name: card.level() for name, card in cards.items()},
         "stops": {name: card.stops for name, card in cards.items() if card.stops is not None},
     }
 
@@ -124,7 +123,7 @@ def _ensemble(study: Any) -> Iterator[Node]:
         for mode in study.run
         if f"charge/{comparison}/{mode}" in read
     ]
-    references = {study.comparisons[comparison].mean_current_of for comparison, _ in charges} - {None}
+    references = {study.comparisons[comparison].reference for comparison, _ in charges} - {None}
     modes = sorted({mode for _, mode in charges} | references)
     estimated = estimates(study.sources, ("battery", "charge", *(f"modes.{mode}" for mode in modes)))
     if study.ensemble.points and charges and estimated["ranges"]:
@@ -152,7 +151,7 @@ def _charges(study: Any, cell: str) -> Iterator[Node]:
                 CHARGED,
                 f"{kind}/{comparison}/{mode}",
                 ".".join(part for part in (prefix, comparison, mode) if part),
-                {"cell": cell, "comparison": comparison, "mode": mode, "reference": card.mean_current_of},
+                {"cell": cell, "comparison": comparison, "mode": mode, "reference": card.reference},
                 inputs=_inputs(study),
                 shown={file: f"{place}.{file.removeprefix('trace.')}" for file in files},
             )
@@ -179,6 +178,22 @@ def _knobs(config: Any) -> dict[str, Any]:
     return {name: plain(config.modes[name].knobs) for name in config.run}
 
 
+def _scaled(config: Any) -> dict[str, Any]:
+    """Return, by comparison and mode, what a comparison made of the currents of a mode, in words."""
+    found: dict[str, dict[str, str]] = {}
+    for comparison, card in config.comparisons.items():
+        level = level_of(card.level(), config.modes)
+        if level is None:
+            continue
+        for name in config.run:
+            factor = scale(config.modes[name], level, config.battery)
+            if factor != 1.0:
+                own = peak_current_a(config.modes[name], config.battery) or 0.0
+                told = f"all currents times {factor:.4g}, the largest from {own:.4g} A to {factor * own:.4g} A"
+                found.setdefault(comparison, {})[name] = f"{told}, to match {level.reference.title}"
+    return found
+
+
 def _cells(config: Any) -> dict[str, Any]:
     both = (config.battery, config.second_battery)
     return {"titles": [battery.title for battery in both if battery is not None]}
@@ -190,7 +205,11 @@ EXPERIMENT = Experiment(
     nodes=nodes,
     part=ChargesPart,
     parameters=("battery", "second_battery", "modes.*", "charge.initial_soc", *_TEMPERATURES),
-    refers={"run": "modes", "comparisons.*.mean_current_of": "modes"},
+    refers={
+        "run": "modes",
+        "comparisons.*.peak_current_of": "modes",
+        "comparisons.*.mean_current_of": "modes",
+    },
     prepare=prepare,
     checks=(check_modes,),
     warns=warn_modes,
@@ -199,6 +218,7 @@ EXPERIMENT = Experiment(
     labels={
         "modes": Label(_knobs, ("run", "modes")),
         "battery": Label(lambda config: plain(config.battery), ("battery",)),
+        "scaled": Label(_scaled, ("run", "modes", "comparisons", "battery")),
         "cells": Label(_cells, ("battery.title", "second_battery.title")),
     },
     tells="telling",

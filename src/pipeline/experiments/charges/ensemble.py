@@ -7,7 +7,7 @@ from typing import Any
 
 from pipeline.cell.records import Battery
 from pipeline.charge.checks import check
-from pipeline.charge.comparison import compared
+from pipeline.charge.comparison import compared, level_of
 from pipeline.charge.records import ChargeSettings, EngineSettings, Mode
 from pipeline.charge.simulate import Charge, Supply, Task, simulate_many
 from pipeline.experiments.charges.charge import supply
@@ -60,9 +60,9 @@ def _task(
 ) -> tuple[Task, str]:
     battery = Battery.model_validate(tree["battery"])
     charge = ChargeSettings.model_validate(tree["charge"])
-    reference = settings["comparisons"][comparison]
-    other = None if reference is None else Mode.model_validate(tree["modes"][reference])
-    mode = compared(Mode.model_validate(tree["modes"][name]), other, battery, settings["stops"].get(comparison))
+    modes = {key: Mode.model_validate(one) for key, one in tree["modes"].items()}
+    level = level_of(settings["comparisons"][comparison], modes)
+    mode = compared(modes[name], level, battery, settings["stops"].get(comparison))
     check(battery, mode, charge)
     task = Task(battery, mode, source, charge, EngineSettings.model_validate(settings["engine"]))
     return task, canonical([name, mode.model_dump(mode="json")])

@@ -8,7 +8,7 @@ from pipeline.experiments.charges import second_cell
 from pipeline.report.pages import PageFigure, PageSection
 from pipeline.report.tables import JOULES_PER_WATT_HOUR, Cell, Columns, ReportData, ReportTable, plain
 
-LABELS = ("cells",)
+LABELS = ("cells", "scaled")
 
 
 def tables(data: ReportData) -> list[ReportTable]:
@@ -17,10 +17,14 @@ def tables(data: ReportData) -> list[ReportTable]:
 
 
 def notes(data: ReportData) -> list[str]:
-    """Return a sentence for every charge that missed something: goals and why, phases that did not run."""
-    if len(data.cells) < 2:
-        return _missed(data, "")
-    return [*_missed(data, ""), *_missed(data.second(), f", {data.cells[1]}")]
+    """Return sentences: what a comparison scaled; what charges missed, goals and why, phases that did not run."""
+    scaled = [
+        f"{data.modes[mode].title} ({data.comparisons[comparison]}): {told}."
+        for comparison, modes in data.settings.get("scaled", {}).items()
+        for mode, told in modes.items()
+    ]
+    second = [] if len(data.cells) < 2 else _missed(data.second(), f", {data.cells[1]}")
+    return [*scaled, *_missed(data, ""), *second]
 
 
 def _missed(data: ReportData, of_battery: str) -> list[str]:

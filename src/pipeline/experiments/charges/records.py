@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from typing import Any, Literal
 
-from pydantic import Field
+from pydantic import Field, model_validator
 
 from pipeline.cell.records import Battery, cuts
 from pipeline.charge.checks import check
@@ -22,12 +22,30 @@ class Comparison(Record):
     """How modes are made comparable."""
 
     title: str
+    peak_current_of: str | None = Field(
+        default=None, description="mode whose largest current every mode's is set to; none: as configured"
+    )
     mean_current_of: str | None = Field(
-        default=None, description="mode whose constant current every pulsed mode's mean is set to; none: as configured"
+        default=None, description="mode whose constant current every mode's mean is set to; none: as configured"
     )
     stops: tuple[StopName, ...] | None = Field(
         default=None, description="the stops of the modes that count, beside the time; none: all of them"
     )
+
+    @model_validator(mode="after")
+    def _one_level(self) -> Comparison:
+        if self.peak_current_of is not None and self.mean_current_of is not None:
+            raise ValueError("peak_current_of and mean_current_of exclude each other; give one")
+        return self
+
+    @property
+    def reference(self) -> str | None:
+        """Return the mode whose current sets those of the others; none where they are as configured."""
+        return self.peak_current_of or self.mean_current_of
+
+    def level(self) -> dict[str, Any]:
+        """Return it as the settings of a step hold it, for `level_of`."""
+        return {"reference": self.reference, "mean": self.mean_current_of is not None}
 
 
 class ChargesPart(Record):
@@ -121,7 +139,10 @@ def _run(composed: Composed, run: Any, known: Mapping[str, Any]) -> list[str]:
 
 def _check_references(composed: Composed, comparisons: Any, known: Mapping[str, Any]) -> None:
     for name, comparison in comparisons.items() if isinstance(comparisons, Mapping) else ():
-        reference = comparison.get("mean_current_of") if isinstance(comparison, Mapping) else None
-        if isinstance(reference, str) and reference not in known:
-            path = f"comparisons.{name}.mean_current_of"
-            raise UserError(f"{composed.origin(path)}: {path}: no mode {reference!r}; {best_matches(reference, known)}")
+        for key in ("peak_current_of", "mean_current_of"):
+            reference = comparison.get(key) if isinstance(comparison, Mapping) else None
+            if isinstance(reference, str) and reference not in known:
+                path = f"comparisons.{name}.{key}"
+                raise UserError(
+                    f"{composed.origin(path)}: {path}: no mode {reference!r}; {best_matches(reference, known)}"
+                )

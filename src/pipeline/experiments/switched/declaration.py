@@ -134,7 +134,7 @@ def _ensemble_settings(
         "switched": config.converter.switched,
         "bus_voltage_v": config.converter.bus_voltage_v,
         "charges": charges,
-        "comparisons": {name: config.comparisons[name].mean_current_of for name, _ in charges},
+        "comparisons": {name: config.comparisons[name].level() for name, _ in charges},
         "points": config.ensemble.slow_points,
         "estimated": estimated,
         "seed": config.seed,
@@ -163,7 +163,7 @@ def _ensemble(study: Any, charges: list[tuple[str, str]]) -> Iterator[Node]:
     read = asked(study.published, (SWITCHED_STEP.name,))
     rows = [one["where"] for one in read if "where" in one]
     own = [pair for pair in charges if any((row["comparison"], row["mode"]) == pair for row in rows)]
-    references = {study.comparisons[comparison].mean_current_of for comparison, _ in own} - {None}
+    references = {study.comparisons[comparison].reference for comparison, _ in own} - {None}
     modes = sorted({mode for _, mode in own} | references)
     parts = ("battery", "charge", "converter.switched", *(f"modes.{mode}" for mode in modes))
     estimated = estimates(study.sources, parts)

@@ -9,7 +9,7 @@ import numpy as np
 
 from pipeline.cell.records import Battery
 from pipeline.charge.checks import check
-from pipeline.charge.comparison import compared
+from pipeline.charge.comparison import compared, level_of
 from pipeline.charge.records import ChargeSettings, EngineSettings, Mode
 from pipeline.charge.simulate import Supply, Task, simulate_many
 from pipeline.converter.records import SwitchedStage
@@ -47,8 +47,7 @@ def _reader(settings: Mapping[str, Any], values: Mapping[str, float], supply: Su
     end_s = window["start_s"] + 2.0 * window["length_s"]
     tasks: dict[tuple[str, str], Task] = {}
     for comparison, mode in settings["charges"]:
-        reference = settings["comparisons"][comparison]
-        sheet = compared(modes[mode], None if reference is None else modes[reference], battery, None)
+        sheet = compared(modes[mode], level_of(settings["comparisons"][comparison], modes), battery, None)
         # What comes after the window is of no interest.
         sheet = sheet.model_copy(update={"stop": sheet.stop.model_copy(update={"elapsed_s": end_s})})
         check(battery, sheet, charge)
