@@ -36,10 +36,30 @@ class Supply(NamedTuple):
     """Power available at the battery's terminals, constant from each time to the next; inf is a bench supply.
 
     time_s : (m,), rising from 0; power_w : (m,).
+    drawn_per_w, side_w : what the source gives for a watt at the terminals [1], and for side loads [W], (m,) each;
+        where not given, nothing is lost on the way and nothing hangs there.
     """
 
     time_s: NDArray[np.float64]
     power_w: NDArray[np.float64]
+    drawn_per_w: NDArray[np.float64] | None = None
+    side_w: NDArray[np.float64] | None = None
+
+    def drawn_j(self, time_s: NDArray[np.float64], put_in_j: NDArray[np.float64]) -> float:
+        """Return the energy drawn at the source over a charge [J].
+
+        Arguments
+        ---------
+        time_s, put_in_j : ends of intervals from 0 on, and the energy put in up to each, shape (n,).
+        """
+        ends, edges = np.append(0.0, time_s), np.append(self.time_s[1:], np.inf)
+        put_in = np.diff(np.append(0.0, put_in_j))
+        rows = np.searchsorted(self.time_s, 0.5 * (ends[1:] + ends[:-1]), side="right") - 1
+        per_w = np.ones(1) if self.drawn_per_w is None else self.drawn_per_w[rows]
+        side_j = 0.0
+        if self.side_w is not None:
+            side_j = float(np.sum(self.side_w * np.maximum(0.0, np.minimum(edges, ends[-1]) - self.time_s)))
+        return float(np.sum(put_in * per_w)) + side_j
 
 
 BENCH = Supply(np.zeros(1), np.full(1, np.inf))
@@ -70,12 +90,14 @@ def simulate(battery: Battery, mode: Mode, supply: Supply, settings: ChargeSetti
     """
     outcome = run(battery, mode, supply, settings, engine)
     energy = balance(outcome.cell, outcome.book.gains, outcome.start, outcome.run["state"], tuple(battery.pairs))
+    samples = outcome.book.samples[: outcome.book.filled[0]]
+    drawn_j = supply.drawn_j(samples[:, 0], samples[:, 6] * 3600.0)
     return Charge(
         trace=trace(outcome, settings.ambient_c),
         waveform=waveform(outcome),
         phases=phases(outcome),
         energy=energy,
-        summary=summarise(outcome, battery, settings, energy, reason(outcome, -1), missed(outcome)),
+        summary=summarise(outcome, settings, energy, drawn_j, reason(outcome, -1), missed(outcome)),
     )
 
 

@@ -7,7 +7,6 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from pipeline.cell.circuit import ZERO_CELSIUS_K
-from pipeline.cell.records import Battery
 from pipeline.charge.outcome import Outcome
 from pipeline.charge.record_keeping import (
     CHARGE_IN,
@@ -34,13 +33,20 @@ class Quantity(NamedTuple):
 
 def summarise(
     outcome: Outcome,
-    battery: Battery,
     settings: ChargeSettings,
     energy: dict[str, Any],
+    drawn_j: float,
     reason: str,
     missed: str,
 ) -> list[Quantity]:
-    """Return the quantities of a charge, in the order of the table; `missed` is empty where nothing was."""
+    """Return the quantities of a charge, in the order of the table; `missed` is empty where nothing was.
+
+    Arguments
+    ---------
+    energy : its balance, as `energy.balance` returns it.
+    drawn_j : energy drawn at the source for it [J].
+    reason, missed : what ended it, what it did not reach.
+    """
     totals, start, end = outcome.book.totals, outcome.start, outcome.run["state"]
     of_path = dict(zip(energy["path"], energy["energy_j"], strict=True))
     net_as = totals[CHARGE_IN] - totals[CHARGE_OUT]
@@ -59,7 +65,8 @@ def summarise(
         "energy_out_wh": totals[ENERGY_OUT] / 3600,
         "charge_efficiency": _ratio(gained_as, net_as) if put_in else None,
         "energy_efficiency": _ratio(of_path["chemical"], net_j) if put_in else None,
-        "system_efficiency": _ratio(of_path["chemical"], totals[ENERGY_IN]) if put_in else None,
+        "energy_drawn_wh": drawn_j / 3600,
+        "system_efficiency": _ratio(of_path["chemical"], drawn_j) if put_in else None,
         "peak_temperature_c": peak_k - ZERO_CELSIUS_K,
         "peak_temperature_rise_k": peak_k - (settings.ambient_c + ZERO_CELSIUS_K),
         "end_temperature_c": end[TEMPERATURE] - ZERO_CELSIUS_K,

@@ -22,10 +22,15 @@ SUMMARY = Vocabulary(
             "stored chemical energy H(SOC) gained over net electrical energy put in; what discharge pulses "
             "give up outside the battery is not counted as lost",
         ),
+        "energy_drawn_wh": (
+            "Wh",
+            "energy drawn at the source: from the panel, for converters and side loads too; of a bench supply, what is "
+            "put in",
+        ),
         "system_efficiency": (
             "1",
-            "stored chemical energy H(SOC) gained over all electrical energy drawn; what discharge pulses give up in "
-            "the resistor is counted as lost",
+            "stored chemical energy H(SOC) gained over all energy drawn at the source; what the resistor of discharge "
+            "pulses, converters and side loads take is counted as lost",
         ),
         "peak_temperature_c": ("degC", "highest battery temperature"),
         "peak_temperature_rise_k": ("K", "highest rise over the ambient"),

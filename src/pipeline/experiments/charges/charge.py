@@ -14,11 +14,21 @@ from pipeline.kernel.artefacts import Inputs, Output
 
 
 def supply(inputs: Inputs) -> Supply:
-    """Return the power at the battery's terminals; without a supply step, a bench supply that gives any."""
+    """Return the power at the battery's terminals; without a supply step, a bench supply that gives any.
+
+    Each converter has the efficiency of the power that could flow; side loads are served as far as the bus can.
+    """
     if "supply" not in inputs:
         return Supply(time_s=np.zeros(1), power_w=np.full(1, np.inf))
     table = inputs.table("supply", "supply")
-    return Supply(time_s=table["time_s"], power_w=table["battery_power_w"])
+    boost, both = table["boost_efficiency"], table["boost_efficiency"] * table["buck_efficiency"]
+    served_w = np.minimum(table["load_power_w"], table["bus_power_w"])
+    return Supply(
+        time_s=table["time_s"],
+        power_w=table["battery_power_w"],
+        drawn_per_w=np.divide(1.0, both, out=np.zeros_like(both), where=both > 0.0),
+        side_w=np.divide(served_w, boost, out=np.zeros_like(boost), where=boost > 0.0),
+    )
 
 
 def run(settings: Mapping[str, Any], inputs: Inputs, output: Output) -> None:

@@ -77,7 +77,8 @@ def _numbers(data: ReportData, comparison: str, mode: str) -> dict[tuple[str, st
         (f"time to {100 * MARK:g} % SOC", "h"): _hours(found.get(f"time_to_soc_{MARK:g}_s")),
         ("SOC at the end", "%"): 100 * found["end_soc"] if "end_soc" in found else None,
         ("peak temperature rise", "K"): found.get("peak_temperature_rise_k"),
-        ("energy efficiency", "%"): 100 * found["energy_efficiency"] if "energy_efficiency" in found else None,
+        ("energy efficiency, into the battery", "%"): _per_cent(found.get("energy_efficiency")),
+        ("energy efficiency, over all drawn", "%"): _per_cent(found.get("system_efficiency")),
         ("heat, all paths", "Wh"): sum(heat.values()),
     }
     return numbers | {(f"heat: {path}", "Wh"): energy for path, energy in heat.items()}
@@ -88,6 +89,10 @@ def _heat(energy: Columns) -> dict[str, float]:
     lost = energy["role"] == "loss"
     parts = zip(energy["path"][lost], energy["energy_j"][lost], strict=True)
     return {str(path): float(joule) / JOULES_PER_WATT_HOUR for path, joule in parts if joule}
+
+
+def _per_cent(share: float | None) -> float | None:
+    return None if share is None else 100 * share
 
 
 def _hours(seconds: float | None) -> float | None:
