@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import math
+from bisect import bisect_left
 from collections.abc import Iterator
 from itertools import pairwise
 from typing import Self
 
-from pydantic import Field, model_validator
+from pydantic import Field, field_validator, model_validator
 
 from pipeline.record import Record
 
@@ -84,9 +85,9 @@ class Tabulated(Record):
 
     def on_line(self, soc: float) -> float:
         """Return the unscaled value at an SOC on the straight line between two points of the grid."""
-        after = next(n for n in range(1, len(self.soc)) if soc <= self.soc[n])
-        if soc in (self.soc[after - 1], self.soc[after]):
-            return self.value[self.soc.index(soc)]
+        after = max(1, bisect_left(self.soc, soc))
+        if soc == self.soc[after] or soc == self.soc[after - 1]:
+            return self.value[after if soc == self.soc[after] else after - 1]
         share = (soc - self.soc[after - 1]) / (self.soc[after] - self.soc[after - 1])
         return self.value[after - 1] + share * (self.value[after] - self.value[after - 1])
 
@@ -245,6 +246,22 @@ class Battery(Record):
     side_reaction: SideReaction | None = Field(None, description="side reaction; none where absent")
     hysteresis: Hysteresis | None = Field(None, description="exponential zone; none where absent")
     thermal: Thermal = Field(description="thermal values")
+    usual_c_rate: tuple[float, float] | None = Field(
+        None, description="lowest and highest current it is usually charged with, over the capacity [C-rate]"
+    )
+    cells_in_unit: int = Field(
+        1,
+        ge=1,
+        description="electrochemical cells inside each of `cells_in_series` where a model knows only the block; what a "
+        "sheet gives per cell is multiplied by both [1]",
+    )
+
+    @field_validator("usual_c_rate")
+    @classmethod
+    def _rising(cls, rates: tuple[float, float] | None) -> tuple[float, float] | None:
+        if rates is not None and not 0.0 <= rates[0] < rates[1]:
+            raise ValueError(f"{rates[0]:g} to {rates[1]:g}; allowed is a range that rises, from 0 or more")
+        return rates
 
     @model_validator(mode="after")
     def _physical(self) -> Self:
@@ -270,6 +287,11 @@ class Battery(Record):
         pairs = [pair.resistance_temperature for pair in self.pairs.values()]
         acceptance = [self.acceptance.resistance_temperature] if self.acceptance else []
         return [self.series_resistance_temperature, *pairs, *acceptance]
+
+    @property
+    def cells(self) -> int:
+        """Return the number of electrochemical cells in series, by which what is given per cell is multiplied."""
+        return self.cells_in_series * self.cells_in_unit
 
     @property
     def capacity_in_use_ah(self) -> float:

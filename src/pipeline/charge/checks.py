@@ -6,6 +6,7 @@ import math
 from collections.abc import Mapping
 
 from pipeline.cell.records import Battery, resting_voltage_v
+from pipeline.charge.feasible import check_range, check_resistance, visited
 from pipeline.charge.protocol import MOST_C_RATE, Resolver, lift_of, parameters
 from pipeline.charge.records import ChargeSettings, Mode, Phase
 from pipeline.charge.waveforms import (
@@ -95,9 +96,9 @@ def check(battery: Battery, mode: Mode, settings: ChargeSettings) -> None:
     ------
     UserError : with the key path below the mode, the value and what is allowed.
     """
-    resolver = Resolver(mode, battery.capacity_in_use_ah, battery.cells_in_series)
+    resolver = Resolver(mode, battery.capacity_in_use_ah, battery.cells)
     stop = _numbers(resolver.optional(mode.stop, "stop"))
-    lift_v = battery.cells_in_series * lift_of(mode).per_cell_v(settings.start_c)
+    lift_v = battery.cells * lift_of(mode).per_cell_v(settings.start_c)
     for name, phase in mode.phases.items():
         _check_phase(resolver, f"phases.{name}", phase, battery, settings)
         if isinstance(phase.waveform, Sampled):
@@ -108,6 +109,11 @@ def check(battery: Battery, mode: Mode, settings: ChargeSettings) -> None:
     _check_charges(resolver, mode, battery, settings, lift_v)
     _check_begun(resolver, mode, stop, battery, settings, lift_v)
     check_watched(mode)
+    low, high = visited(battery, mode, settings)
+    check_range("battery", battery, low, high, settings.start_c)
+    for name, phase in mode.phases.items():
+        if phase.waveform.holds_voltage or "voltage_v" in phase.limit.given:
+            check_resistance(f"phases.{name}", battery, low, high)
     unused = sorted(set(mode.knobs) - resolver.used)
     if unused:
         wanted = _known_names(mode)

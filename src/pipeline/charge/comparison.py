@@ -188,7 +188,7 @@ def peak_current_a(mode: Mode, battery: Battery) -> float | None:
 
 
 def _currents_a(mode: Mode, battery: Battery, parameters: Collection[str]) -> list[float]:
-    resolver = Resolver(mode, battery.capacity_in_use_ah, battery.cells_in_series)
+    resolver = Resolver(mode, battery.capacity_in_use_ah, battery.cells)
     found: list[float] = []
     for name, phase in mode.phases.items():
         for parameter in (one for one in parameters if one in type(phase.waveform).model_fields):

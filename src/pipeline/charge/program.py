@@ -48,12 +48,13 @@ class Program(NamedTuple):
     highest_k: float
 
 
-def compile_program(protocol: Protocol, cells: int, driver: str) -> Program:
+def compile_program(protocol: Protocol, cells: int, driver: str, units: int = 1) -> Program:
     """Return the arrays of a protocol.
 
     Arguments
     ---------
     cells : cells in series.
+    units : electrochemical cells in each of them, where a model knows only the block.
     driver : `edge`, `averaged` or `auto`; only what repeats is averaged.
     """
     count = len(protocol.courses)
@@ -70,7 +71,7 @@ def compile_program(protocol: Protocol, cells: int, driver: str) -> Program:
         np.array([_averages(course, driver) for course in protocol.courses]),
         np.array([course.values["power_w"] if course.waveform.holds_power else np.inf for course in protocol.courses]),
         protocol.stop.get("elapsed_s", math.inf),
-        protocol.lift.v_per_k_cell,
+        protocol.lift.v_per_k_cell * units,
         protocol.lift.reference_c + ZERO_CELSIUS_K,
         protocol.lift.lowest_c + ZERO_CELSIUS_K,
         protocol.lift.highest_c + ZERO_CELSIUS_K,

@@ -139,8 +139,8 @@ def run(battery: Battery, mode: Mode, supply: Supply, settings: ChargeSettings, 
     """Run the engine and return its arrays; arguments and errors are those of `simulate`."""
     check(battery, mode, settings)
     cell = compile_cell(battery)
-    protocol = resolve(mode, battery.capacity_in_use_ah, battery.fills, battery.cells_in_series)
-    program = compile_program(protocol, battery.cells_in_series, engine.driver)
+    protocol = resolve(mode, battery.capacity_in_use_ah, battery.fills, battery.cells)
+    program = compile_program(protocol, battery.cells_in_series, engine.driver, battery.cells_in_unit)
     state = resting_run(cell, settings.initial_soc, settings.start_c + ZERO_CELSIUS_K)
     start = state["state"].copy()
     book = _book(program, settings, cell)

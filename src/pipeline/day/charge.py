@@ -111,7 +111,7 @@ def charge_over_day(
     first_c = air[0][1] - ZERO_CELSIUS_K
     check(battery, mode, ChargeSettings(initial_soc=conditions.initial_soc, ambient_c=first_c))
     cell = compile_cell(battery)
-    sheet = resolve(mode, battery.capacity_in_use_ah, battery.fills, battery.cells_in_series)
+    sheet = resolve(mode, battery.capacity_in_use_ah, battery.fills, battery.cells)
     run = resting_run(cell, conditions.initial_soc, air[0][1])
     start = run["state"].copy()
     spans = charging_spans(day.time_s, day.power_w, day.end_s, conditions.switching)
@@ -137,7 +137,7 @@ def charge_over_day(
                 leg = still_to_run(sheet, place, leg_s, alone)
             else:
                 leg, place.paused = pause(until_s), True
-            program = compile_program(leg, battery.cells_in_series, engine.driver)
+            program = compile_program(leg, battery.cells_in_series, engine.driver, battery.cells_in_unit)
             supply = Supply(day.time_s, _lent(day, leg.courses[0]))
             if launch(cell, program, control, supply, run, book, clock, ambient_k, engine) != drive.DONE:
                 raise EngineError(

@@ -9,6 +9,7 @@ from pydantic import Field, model_validator
 
 from pipeline.cell.records import Battery, cuts
 from pipeline.charge.checks import check
+from pipeline.charge.feasible import check_range, notices, visited
 from pipeline.charge.records import ChargeSettings, EngineSettings, Mode
 from pipeline.config.compose import Composed
 from pipeline.errors import UserError, best_matches
@@ -93,6 +94,10 @@ def check_modes(study: Any) -> None:
     UserError : with the key path, the value and what is allowed.
     """
     # A mode may take its values from another: the one that an override changed is told first.
+    for path, battery in batteries(study).items():
+        for name in study.modes:
+            low, high = visited(battery, study.modes[name], study.charge)
+            check_range(path, battery, low, high, study.charge.start_c)
     for name in sorted(study.modes, key=lambda name: not _overridden(study.overrides, f"modes.{name}")):
         for battery in (study.battery, study.second_battery):
             if battery is not None:
@@ -111,6 +116,9 @@ def warn_modes(study: Any) -> Iterator[str]:
     """Yield what whoever plans the charges should know of them."""
     for path, battery in batteries(study).items():
         yield from (f"{path}.{told}" for told in cuts(battery))
+    for battery in (study.battery, study.second_battery):
+        for name in study.run if battery is not None else ():
+            yield from (f"modes.{name}.{told}" for told in notices(battery, study.modes[name], study.charge))
 
 
 def _check(path: str, battery: Battery, mode: Mode, charge: ChargeSettings, meant: str) -> None:

@@ -37,7 +37,7 @@ def plan_of(study: Any) -> Plan:
     if name not in study.modes:
         raise UserError(f"staging.mode: no mode {name!r} among those of this study; {best_matches(name, study.modes)}")
     mode = study.modes[name]
-    resolver = Resolver(mode, study.battery.capacity_in_use_ah, study.battery.cells_in_series)
+    resolver = Resolver(mode, study.battery.capacity_in_use_ah, study.battery.cells)
     for title, phase in mode.phases.items():
         waveform = phase.waveform
         if not isinstance(waveform, Staged):
