@@ -130,7 +130,7 @@ def test_sweeps_expand_as_hydras_do() -> None:
 
 @pytest.mark.parametrize("name", options("battery"))
 def test_every_battery_composes(name: str) -> None:
-    owner = {"lfp": "lfp_cuckoo", "nicd": "nicd_grnn"}.get(name.split("_")[0], "solar_reflex")
+    owner = {"lfp": "lfp_cuckoo", "nmc": "lfp_cuckoo", "nicd": "nicd_grnn"}.get(name.split("_")[0], "solar_reflex")
     study = study_from(compose_tree([f"study={owner}", f"battery={name}"]))
     assert study.battery.name == name
 
@@ -148,5 +148,9 @@ def runs_of_studies() -> dict[str, list[str]]:
 @pytest.mark.parametrize("name", options("modes"))
 def test_every_mode_composes(name: str) -> None:
     owner = next((study for study, run in runs_of_studies().items() if name in run), "solar_reflex")
+    if name.endswith(("_nmc", "_lifepo4")):
+        cell = "nmc_5ah" if name.endswith("_nmc") else "lfp_8ah"
+        assert study_from(compose_tree(["study=lfp_cuckoo", f"battery={cell}", f"modes.run=[staged_found,{name}]"]))
+        return
     run = f"cc_cv,{name}" if owner == "solar_reflex" and name != "cc_cv" else name
     assert study_from(compose_tree([f"study={owner}", f"modes.run=[{run}]"]))
