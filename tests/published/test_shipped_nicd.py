@@ -31,6 +31,11 @@ NUMBERS: dict[str, dict[str, tuple[float, float]]] = {
         "units": (13.0, 15.0),
         "nodes_of_anfis": (27.0, 21.0),
         "genetic_mse": (0.0046, 0.5),
+        "crossover": (0.8, 0.5),
+        "mutation": (0.1, 0.1),
+        "population": (20.0, 20.0),
+        "genetic_evaluations": (500.0, 6000.0),
+        "greedy_evaluations": (5600.0, 5600.0),
         "genetic_mse_median": (0.0046, 0.5),
         "genetic_mse_median_long": (0.0045, 0.3),
         "genetic_population_mean": (0.5, 0.6),
@@ -83,14 +88,14 @@ REFERENCE_ROWS: dict[str, tuple[list[dict[str, Any]], list[dict[str, Any]]]] = {
     ),
     "nicd_table3": (
         [
-            {"network": "ANFIS", "nodes": 27, "mse": 0.1321},
-            {"network": "GRNN", "nodes": 15, "mse": 0.0905},
-            {"network": "GA-trained GRNN", "nodes": 13, "mse": 0.0046},
+            {"network": "ANFIS", "layers": 6, "nodes": 27, "mse": 0.1321},
+            {"network": "GRNN", "layers": 3, "nodes": 15, "mse": 0.0905},
+            {"network": "GA-trained GRNN", "layers": 3, "nodes": 13, "mse": 0.0046},
         ],
         [
-            {"network": "ANFIS", "nodes": 12, "mse": 0.001},
-            {"network": "GRNN", "nodes": 13, "mse": 0.0905},
-            {"network": "GA-trained GRNN", "nodes": 13, "mse": 0.0046},
+            {"network": "ANFIS", "layers": 5, "nodes": 12, "mse": 0.001},
+            {"network": "GRNN", "layers": 3, "nodes": 13, "mse": 0.0905},
+            {"network": "GA-trained GRNN", "layers": 3, "nodes": 13, "mse": 0.0046},
         ],
     ),
     "nicd_stops": (

@@ -55,6 +55,7 @@ def _made() -> Path:
                 "waveforms": {"cv_reflex": WAVEFORM},
                 "pairs": PAIRS,
                 "series_resistance_ohm": 0.02,
+                "thermal_resistance_k_w": 1.9,
             },
         ),
         "tuning": (tuning, {"design": design, "swarm": swarm, "problem": problem, "seed": 1}),

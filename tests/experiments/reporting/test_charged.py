@@ -20,7 +20,7 @@ COOLER = {"less": {"value": "rise_k of charge/p/cv_reflex", "than": "rise_k of c
 
 def test_they_are_those_on_speed_temperature_efficiency_and_operation(shipped: dict[str, Statement]) -> None:
     asked = answered_by_charges(shipped)
-    assert len(asked) == 19
+    assert len(asked) == 18
     assert {name.split("/")[0] for stated in asked.values() for name in needs(stated)} == {"charge"}
     assert {"table_1", "mode_switched_after_an_hour", "table_3", "chaos_speeds_up", "cycle_life"}.isdisjoint(asked)
 

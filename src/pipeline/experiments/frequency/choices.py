@@ -118,6 +118,7 @@ def objective_settings(config: Any, modes: Iterable[str], **_: Any) -> dict[str,
         "waveforms": pulsed_modes(config, modes),
         "pairs": pairs(config),
         "series_resistance_ohm": whole_battery(config) * resistance,
+        "thermal_resistance_k_w": config.battery.thermal.resistance_k_w,
     }
 
 

@@ -21,6 +21,7 @@ from pipeline.objective.optimum import (
     frequency_map_hz,
     impedance_minimum_hz,
     integral_square_error,
+    mean_current_a,
     optimal_frequency_hz,
     resonance_hz,
     steps,
@@ -32,7 +33,11 @@ from pipeline.quantity import Quantity
 
 
 def quantities(
-    settings: ReflexFrequency, waveform: Waveform, pairs: Pairs, series_resistance_ohm: float
+    settings: ReflexFrequency,
+    waveform: Waveform,
+    pairs: Pairs,
+    series_resistance_ohm: float,
+    thermal_resistance_k_w: float = math.nan,
 ) -> list[Quantity]:
     """Return the numbers that describe the loss of a waveform against its frequency.
 
@@ -42,6 +47,7 @@ def quantities(
     waveform : of the mode the objective means.
     pairs : the battery's pairs, whole battery; the fastest is taken for the impedance.
     series_resistance_ohm : of the whole battery, at the objective's SOC [ohm].
+    thermal_resistance_k_w : from the battery to the surroundings [K/W].
     """
     period, energy = steps(waveform), switching_energy_j(settings.transistor, switched_currents_a(waveform))
     best = float(optimal_frequency_hz(period, pairs, energy))
@@ -67,10 +73,18 @@ def quantities(
             number(f"switching_at_{place}_w", parts["switching_w"][0]),
             number(f"ripple_and_switching_at_{place}_w", parts["total_w"][0]),
         ]
-    mean = breakdown(period, pairs, series_resistance_ohm, energy, best)["mean_current_w"][0]
+    at_best = breakdown(period, pairs, series_resistance_ohm, energy, best)
+    mean, least = at_best["mean_current_w"][0], at_best["total_w"][0]
     classic = breakdown(period, pairs, series_resistance_ohm, energy, settings.classic_frequency_hz)["total_w"][0]
     resistor = discharge_resistor_loss_w(waveform, settings.discharge_voltage_v)
-    return [*found, number("mean_current_w", mean), number("all_losses_at_classic_w", mean + classic + resistor)]
+    charged_w = settings.discharge_voltage_v * mean_current_a(period)
+    return [
+        *found,
+        number("mean_current_w", mean),
+        number("all_losses_at_classic_w", mean + classic + resistor),
+        number("classic_warmer_k", thermal_resistance_k_w * (classic - least)),
+        number("classic_less_efficient_share", (classic - least) / charged_w),
+    ]
 
 
 def of_modes(settings: ReflexFrequency, waveforms: Mapping[str, Waveform], pairs: Pairs) -> list[Quantity]:
@@ -117,13 +131,13 @@ def run(settings: Mapping[str, Any], inputs: Inputs, output: Output) -> None:
     chosen = ReflexFrequency.model_validate(settings["objective"])
     waveforms = {name: Waveform.model_validate(waveform) for name, waveform in settings["waveforms"].items()}
     pairs = Pairs(*(tuple(part) for part in settings["pairs"]))
-    series = float(settings["series_resistance_ohm"])
+    series, thermal = float(settings["series_resistance_ohm"]), float(settings["thermal_resistance_k_w"])
     waveform = waveforms[chosen.mode]
     period, energy = steps(waveform), switching_energy_j(chosen.transistor, switched_currents_a(waveform))
     output.write("loss", _loss(period, pairs, series, energy, chosen.window_s))
     output.write("map", _map(period, pairs, energy))
     output.write("contour", _contour(period, pairs))
-    output.numbers([*quantities(chosen, waveform, pairs, series), *of_modes(chosen, waveforms, pairs)])
+    output.numbers([*quantities(chosen, waveform, pairs, series, thermal), *of_modes(chosen, waveforms, pairs)])
 
 
 def _loss(period: Steps, pairs: Pairs, series_ohm: float, energy_j: float, window_s: float) -> dict[str, Array]:

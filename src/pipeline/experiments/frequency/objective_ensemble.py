@@ -42,7 +42,13 @@ def _reader(tree: Mapping[str, Any]) -> Lookup:
     found = objective_settings(config, config.modes)
     pairs, waveforms = Pairs(*(tuple(part) for part in found["pairs"])), found["waveforms"]
     numbers = [
-        *quantities(config.objective, waveforms[config.objective.mode], pairs, found["series_resistance_ohm"]),
+        *quantities(
+            config.objective,
+            waveforms[config.objective.mode],
+            pairs,
+            found["series_resistance_ohm"],
+            found["thermal_resistance_k_w"],
+        ),
         *of_modes(config.objective, waveforms, pairs),
     ]
     return ensemble.reader({"objective": {"quantities": ensemble.numbers_table(numbers)}})

@@ -122,6 +122,8 @@ OBJECTIVE_NUMBERS = Vocabulary(
         "discharge_resistor_w": ("W", "power the discharge resistor turns to heat, at any frequency"),
         "mean_current_w": ("W", "loss of the mean current in all resistances, at any frequency"),
         "all_losses_at_classic_w": ("W", "mean current, ripple, switches and discharge resistor at the classic rate"),
+        "classic_warmer_k": ("K", "rise of what the classic rate loses more than the optimum, once settled"),
+        "classic_less_efficient_share": ("1", "the same loss over the power charged"),
         "switching_energy_{mode}_j": ("J", "energy of the switches in a period of {mode}"),
         "optimal_frequency_{mode}_hz": ("Hz", "frequency of least loss of {mode}"),
     }

@@ -25,16 +25,21 @@ def run(settings: Mapping[str, Any], inputs: Inputs, output: Output) -> None:
     selected = _errors(inputs.table("network", "selections"), "method")
     sizes = inputs.table("network_size", "sizes") if "network_size" in inputs else None
     genetic = {} if sizes is None else _errors(_of(sizes, "method", "genetic"), "centres")
-    anfis = NETWORK.quantity("anfis_mse", inputs.numbers("network")["anfis_mse"])
+    own = [Quantity(name, value, "1", "") for name, value in _unchanged(inputs.numbers("network")).items()]
     rows: list[ensemble.Row] = []
     for number, seed in enumerate(ensemble.seeds(settings["seed"], settings["experiments"])):
         rng = np.random.default_rng(seed)
-        found = {"network": {"quantities": ensemble.numbers_table([anfis, *_of_methods(selected, rng)])}}
+        found = {"network": {"quantities": ensemble.numbers_table([*own, *_of_methods(selected, rng)])}}
         if genetic:
             found["network_size"] = {"quantities": ensemble.numbers_table(_of_sizes(genetic, rng))}
         reader = ensemble.reader(found)
         rows += ensemble.answers(number, settings["asked"], reader, RESAMPLED)
     output.rows("ensemble", rows)
+
+
+def _unchanged(numbers: Mapping[str, float]) -> dict[str, float]:
+    """Return what other seeds do not change, or what is computed once: all but the medians over the runs."""
+    return {name: value for name, value in numbers.items() if not name.endswith("_mse_median")}
 
 
 def _errors(columns: Mapping[str, Any], by: str) -> Errors:

@@ -30,6 +30,10 @@ class Options(Record):
         default=("voltage", "temperature", "rate"), min_length=1, description="quantities, one field each"
     )
     c_rate: float | None = Field(default=None, gt=0, description="constant current whose stops are marked [C-rate]")
+    valid_to_c: float | None = Field(default=None, description="temperature above which no cell is described [degC]")
+    held_above_k_min: float | None = Field(
+        default=None, gt=0, description="rate above which the network's input is held [K/min]"
+    )
     published_stop_s: float | None = Field(default=None, gt=0, description="when the paper would stop it [s]")
 
 
@@ -87,6 +91,7 @@ def draw(figure: FigureCard, data: ReportData) -> Figure:
             _ambient(axes, trace)
         if name == "voltage":
             _peak(axes, time, values)
+    _shade(fields, options, trace)
     _mark(fields, options, data)
     fields[0].set_title(
         f"{data.modes[options.mode].title}, {data.comparisons[comparisons[0]]}", pad=28 if options.c_rate else 7
@@ -111,6 +116,25 @@ def _series(trace: Columns, name: str) -> tuple[NDArray[np.float64], NDArray[np.
         return (time[1:] + time[:-1]) / 2.0, rate
     column = {"current": "Current / A", "voltage": "Voltage / V"}[name]
     return (time + before) / 2.0, trace[column]
+
+
+def _shade(fields: NDArray[np.object_], options: Options, trace: Columns) -> None:
+    """Shade where the charge is outside what the cell is described for, or its rate beyond the network's input."""
+    for name, limit, words in (
+        ("temperature", options.valid_to_c, "outside the cell's validity"),
+        ("rate", options.held_above_k_min, "network's input held"),
+    ):
+        if limit is None:
+            continue
+        time, values = _series(trace, name)
+        for place, axes in enumerate(fields):
+            band = axes.fill_between(
+                time, 0.0, 1.0, where=values > limit, transform=axes.get_xaxis_transform(), color="#c9ced3", alpha=0.5,
+                linewidth=0.0, zorder=0,
+            )  # fmt: skip
+            if place == 0 and np.any(values > limit):
+                band.set_label(words)
+                axes.legend(loc="lower left", fontsize=8)
 
 
 def _ambient(axes: Axes, trace: Columns) -> None:
