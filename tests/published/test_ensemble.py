@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -100,9 +101,10 @@ def test_what_is_asked_is_read_by_statements_of_the_basis_and_answers_in_the_sam
         "three": statement("search", "t_s of charge/p/b.summary"),
         "four": statement("paper_data", "t_s of charge/p/c.summary"),
     }
-    found = ensemble.asked(published, ["charge"])
+    config = SimpleNamespace(published=published, answer={})
+    found = ensemble.asked(config, ["charge"])
     assert len(found) == 2
-    assert ensemble.asked(published, ["panel"]) == [Value(quantity="x", artefact="panel", table="points").model_dump()]
+    assert ensemble.asked(config, ["panel"]) == [Value(quantity="x", artefact="panel", table="points").model_dump()]
     held = {
         "charge/p/a": {
             "summary": {"quantity": ["t_s"], "value": [5.0], "unit": ["s"], "text": [None]},

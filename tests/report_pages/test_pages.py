@@ -89,6 +89,12 @@ def test_verdicts_are_counted_and_told_by_word_and_symbol(content: PageContent, 
     assert "−0.25 W" in text
 
 
+def test_the_page_begins_with_the_answer(content: PageContent) -> None:
+    shown = Page(render(replace(content, answer=["Take <one>.", "Rise: one."])))
+    assert [name for name in shown.attributes("id") if not name.startswith("statement-")][:2] == ["answer", "verdicts"]
+    assert "Take <one>." in "".join(shown.text)
+
+
 def test_arithmetic_of_the_paper_is_counted_apart(content: PageContent) -> None:
     columns = verdict_columns("holds", "contradicted", "holds") | {"basis": ["model", "paper_data", "paper_data"]}
     shown = Page(render(replace(content, verdicts=columns)))

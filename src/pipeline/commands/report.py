@@ -9,11 +9,13 @@ from pathlib import Path
 from typing import Any
 
 from rich.console import Console
+from rich.markup import escape
 from rich.table import Table
 
 from pipeline.errors import UserError, best_matches
 from pipeline.kernel import tables
 from pipeline.kernel.store import RESULTS
+from pipeline.published.answer import ANSWER
 from pipeline.published.evaluate import VERDICTS
 from pipeline.published.words import counted
 
@@ -27,6 +29,9 @@ def main(arguments: Sequence[str]) -> int:
     path = RESULTS / run / "published" / "verdicts.parquet"
     if not path.is_file():
         raise UserError(_unpublished(run))
+    answer = path.with_name("answer.parquet")
+    if answer.is_file():
+        _tell(tables.read(ANSWER, answer))
     _print(tables.read(VERDICTS, path))
     print(f"\nthe page: {Path('reports') / run / 'index.html'}")
     return 0
@@ -43,6 +48,14 @@ def _unpublished(run: str) -> str:
         return f"run {run!r}: its study has no verdicts; the page is {Path('reports') / run / 'index.html'}"
     made = ", ".join(path.name.split(".")[1] for path in parts)
     return f"run {run!r}: only parts of it are here ({made}), and no verdicts; all of it: {manifest['command']}"
+
+
+def _tell(answer: Mapping[str, Any]) -> None:
+    """Print what the study recommends."""
+    console = Console()
+    for place, sentence in enumerate(answer["sentence"]):
+        console.print(f"[bold]{escape(sentence)}[/bold]" if place == 0 else f"  {escape(sentence)}", highlight=False)
+    console.print()
 
 
 def _print(verdicts: Mapping[str, Any]) -> None:

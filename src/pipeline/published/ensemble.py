@@ -21,7 +21,6 @@ from pipeline.kernel.tables import Column, Table, TableFile
 from pipeline.published.artefacts import Lookup, Unanswerable
 from pipeline.published.operands import Operand, atoms, text, values
 from pipeline.published.predicates import number
-from pipeline.published.records import Statement
 from pipeline.published.reference import kind
 from pipeline.published.words import PARAMETERS
 from pipeline.record import Record
@@ -152,20 +151,22 @@ def _shared_name(path: str, limits: Sequence[float]) -> str:
     return path
 
 
-def asked(published: Mapping[str, Statement], kinds: Collection[str], basis: str = "model") -> list[dict[str, Any]]:
-    """Return what the statements of a basis read of some kinds of inputs, as plain data, each once.
+def asked(config: Any, kinds: Collection[str], basis: str = "model") -> list[dict[str, Any]]:
+    """Return what statements of a basis, and the answer, read of some kinds of inputs, as plain data, each once.
 
     Arguments
     ---------
-    published : identifier -> statement.
+    config : a study, or the view of it; its `published` and `answer` are read.
     kinds : first words of inputs' names.
     """
-    found: dict[str, dict[str, Any]] = {}
-    for stated in published.values():
-        if stated.basis == basis and stated.check is not None:
-            for one in atoms(stated.check):
-                if {kind(value.artefact) for value in values(one)} <= set(kinds):
-                    found[text(one)] = one.model_dump(mode="json")
+    read: list[Any] = [one.check for one in config.published.values() if one.basis == basis and one.check is not None]
+    read += [operand for choice in config.answer.values() for operand in choice.among.values() if basis == "model"]
+    found = {
+        text(one): one.model_dump(mode="json")
+        for operand in read
+        for one in atoms(operand)
+        if {kind(value.artefact) for value in values(one)} <= set(kinds)
+    }
     return [found[name] for name in sorted(found)]
 
 

@@ -10,7 +10,7 @@ from pipeline.errors import UserError, best_matches
 from pipeline.kernel import registry
 from pipeline.kernel.experiment import Step
 from pipeline.kernel.tables import TableFile, find
-from pipeline.published.operands import Value
+from pipeline.published.operands import Value, values
 from pipeline.published.records import read_tables, read_values
 from pipeline.published.reference import PRINTED, is_named, kind, reference_tables
 
@@ -38,6 +38,9 @@ def check_statements(study: Any) -> None:
                 f"published.{name}.fitted_with: no statement {stated.fitted_with!r}; "
                 + best_matches(stated.fitted_with, study.published)
             )
+    for name, choice in study.answer.items():
+        for value in (one for operand in choice.among.values() for one in values(operand)):
+            known.check_value(name, value, "answer")
     own = f"{study.study.name}."
     fitted = {source.to for source in study.sources.values() if source.to is not None}
     for identifier in sorted(name.removeprefix(own) for name in fitted if name.startswith(own)):
@@ -58,11 +61,11 @@ class _Known:
         self._fields = {step: fields for one in experiments for step, fields in one.fields(study).items()}
         self._numbers = cache(self._named)
 
-    def check_table(self, statement: str, path: str) -> None:
+    def check_table(self, statement: str, path: str, part: str = "published") -> None:
         """Refuse a table that nothing makes."""
         artefact, _, table = path.rpartition(".")
         if artefact not in self.inputs:
-            raise UserError(f"published.{statement}: {self._unknown_input(artefact)}")
+            raise UserError(f"{part}.{statement}: {self._unknown_input(artefact)}")
         if kind(artefact) == PRINTED:
             known: Iterable[str] = {artefact.split("/")[-1]}
             if table in known:
@@ -71,11 +74,11 @@ class _Known:
             return
         else:
             known = _step(artefact).tables
-        raise UserError(f"published.{statement}: {artefact} has no table {table!r}; {best_matches(table, known)}")
+        raise UserError(f"{part}.{statement}: {artefact} has no table {table!r}; {best_matches(table, known)}")
 
-    def check_value(self, statement: str, value: Value) -> None:
+    def check_value(self, statement: str, value: Value, part: str = "published") -> None:
         """Refuse a column or a number that nothing makes."""
-        self.check_table(statement, f"{value.artefact}.{value.table}")
+        self.check_table(statement, f"{value.artefact}.{value.table}", part)
         declared = _declared(value.artefact, value.table)
         if declared is None:
             return
@@ -86,7 +89,7 @@ class _Known:
         for name in names:
             if known is not None and name not in known:
                 raise UserError(
-                    f"published.{statement}: {value.artefact}.{value.table} has nothing called {name!r}; "
+                    f"{part}.{statement}: {value.artefact}.{value.table} has nothing called {name!r}; "
                     + best_matches(name, known)
                 )
 

@@ -68,6 +68,7 @@ class PageContent:
     command : what to type to make all of it again.
     keys : artefact -> key.
     sections : what has a section of its own.
+    answer : what the study recommends, in sentences; the page begins with it.
     """
 
     title: str
@@ -80,6 +81,7 @@ class PageContent:
     command: str
     keys: Mapping[str, str]
     sections: Sequence[PageSection] = ()
+    answer: Sequence[str] = ()
 
 
 def render(content: PageContent) -> str:

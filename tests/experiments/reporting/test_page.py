@@ -45,7 +45,7 @@ def judged(tmp_path: Path) -> dict[str, Path]:
     """Return the artefacts of a run: a number, the verdict on it, a figure."""
     making.output("search", tmp_path / "search").numbers([Quantity("frequency_hz", 90.25, "Hz", "")])
     inputs = making.inputs({"search": tmp_path / "search"})
-    asked = {"statements": [STATEMENT], "calibrated": {}, "second_calibrated": None}
+    asked = {"statements": [STATEMENT], "answer": [], "calibrated": {}, "second_calibrated": None}
     verdicts.run(asked, inputs, making.output("verdicts", tmp_path / "verdicts"))
     (tmp_path / "figure").mkdir()
     (tmp_path / "figure" / "one.svg").write_text("<svg></svg>", encoding="utf-8")

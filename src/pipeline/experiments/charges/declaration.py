@@ -46,7 +46,7 @@ def _ensemble_settings(
         "points": config.ensemble.points,
         "estimated": estimated,
         "seed": config.seed,
-        "asked": asked(config.published, ("charge",)),
+        "asked": asked(config, ("charge",)),
         "charges": charges,
         "comparisons": {name: card.level() for name, card in cards.items()},
         "stops": {name: card.stops for name, card in cards.items() if card.stops is not None},
@@ -93,7 +93,7 @@ SAMPLED = Step(
     message="Charges over the ranges of estimated parameters: {chunk}",
     settings=_ensemble_settings,
     effort=_ensemble_effort,
-    reads=("battery", "modes.{modes}", "charge", "engine", "ensemble", "seed", "comparisons", "published"),
+    reads=("battery", "modes.{modes}", "charge", "engine", "ensemble", "seed", "comparisons", "published", "answer"),
     takes=("engine", "supply", FOUND),
     tables=ANSWERS,
     priority=1,
@@ -116,7 +116,7 @@ def nodes(study: Any) -> Iterator[Node]:
 
 def _ensemble(study: Any) -> Iterator[Node]:
     """Yield the charges over the ranges of the estimated parameters: those that statements read, where they vary."""
-    read = {value["artefact"] for one in asked(study.published, ("charge",)) for value in _values(one)}
+    read = {value["artefact"] for one in asked(study, ("charge",)) for value in _values(one)}
     charges = [
         (comparison, mode)
         for comparison in study.comparisons

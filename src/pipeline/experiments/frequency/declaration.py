@@ -32,7 +32,7 @@ def _objective_ensemble(config: Any, modes: Iterable[str], estimated: Mapping[st
         "points": config.ensemble.points,
         "estimated": estimated,
         "seed": config.seed,
-        "asked": asked(config.published, ("objective",)),
+        "asked": asked(config, ("objective",)),
     }
 
 
@@ -49,7 +49,7 @@ def _search_ensemble(config: Any, tuned: bool, **which: Any) -> dict[str, Any]:
         "tuning": _tuning_settings(config, **which) if tuned else None,
         "experiments": config.ensemble.experiments,
         "seed": config.seed,
-        "asked": asked(config.published, ("search", "tuning"), "search"),
+        "asked": asked(config, ("search", "tuning"), "search"),
     }
 
 
@@ -158,7 +158,7 @@ OBJECTIVE_ENSEMBLE = Step(
     rule="loss_over_estimates",
     message="Objective over the ranges of estimated parameters: {chunk}",
     settings=_objective_ensemble,
-    reads=("battery", "modes.{modes}", "objective", "ensemble", "seed", "published"),
+    reads=("battery", "modes.{modes}", "objective", "ensemble", "seed", "published", "answer"),
     tables=ANSWERS,
     chunk=(1, 8),
     shown=False,
@@ -168,7 +168,7 @@ SEARCH_ENSEMBLE = Step(
     rule="search_with_other_seeds",
     message="Searches and parameter design with other seeds: {chunk}",
     settings=_search_ensemble,
-    reads=("search", "oracle", "design", "seed", *_PROBLEM, "ensemble", "published"),
+    reads=("search", "oracle", "design", "seed", *_PROBLEM, "ensemble", "published", "answer"),
     takes=("tuning",),
     tables=ANSWERS,
     files=("conf/published/reference/*.csv",),
@@ -208,7 +208,7 @@ def nodes(study: Any) -> Iterator[Node]:
 
 def _over_estimates(study: Any, pulsed: Iterable[str]) -> Iterator[Node]:
     """Yield the objective over the ranges of the estimated parameters, for the modes that statements name."""
-    read = asked(study.published, ("objective",))
+    read = asked(study, ("objective",))
     named = {one["quantity"] for one in read if "quantity" in one}
     modes = [mode for mode in pulsed if mode == study.objective.mode or any(f"_{mode}_" in name for name in named)]
     estimated = estimates(study.sources, ("battery", "objective", *(f"modes.{mode}" for mode in modes)))
@@ -221,7 +221,7 @@ def _over_estimates(study: Any, pulsed: Iterable[str]) -> Iterator[Node]:
 def closing(study: Any, made: Sequence[Draft]) -> Iterator[Node]:
     """Yield the searches with other seeds, where the run searches."""
     names = {node.name for node in made}
-    wanted = study.ensemble.experiments and asked(study.published, ("search", "tuning"), "search")
+    wanted = study.ensemble.experiments and asked(study, ("search", "tuning"), "search")
     if not wanted or "search" not in names:
         return
     modules = tuple(sorted({registry.module_name(one.kind) for one in searches(study).values()}))

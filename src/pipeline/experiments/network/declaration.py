@@ -306,7 +306,7 @@ def _resampling(config: Any) -> dict[str, Any]:
     return {
         "experiments": config.ensemble.points,
         "seed": config.seed,
-        "asked": asked(config.published, ("network", "network_size"), "search"),
+        "asked": asked(config, ("network", "network_size"), "search"),
     }
 
 
@@ -315,7 +315,7 @@ RESAMPLE = Step(
     rule="resample_selections",
     message="Network: resampled runs of the selections: {chunk}",
     settings=_resampling,
-    reads=("ensemble", "seed", "published"),
+    reads=("ensemble", "seed", "published", "answer"),
     takes=("network", "network_size"),
     tables=ANSWERS,
     shown=False,
@@ -331,7 +331,7 @@ def nodes(study: Any) -> Iterator[Node]:
     for step in (step for step, wanted in made if wanted):
         inputs = {"surface": "surface"}
         yield Node(step, step.name, study.study.name, inputs=inputs, shown=step.places(step.name))
-    if study.ensemble.points and asked(study.published, ("network", "network_size"), "search"):
+    if study.ensemble.points and asked(study, ("network", "network_size"), "search"):
         inputs = {step.name: step.name for step, wanted in made if wanted and step is not VARY}
         shown = {"ensemble.parquet": "published/ensemble_of_selections.parquet"}
         yield Node(RESAMPLE, f"{NAME}/network", study.study.name, inputs=inputs, shown=shown)

@@ -16,8 +16,10 @@ from pipeline.kernel.experiment import EVERYTHING, Draft, Experiment, Node, Step
 from pipeline.kernel.planfile import command
 from pipeline.kernel.scope import below
 from pipeline.kernel.tables import TableFile
+from pipeline.published.answer import ANSWER, Choice
 from pipeline.published.ensemble import NAME as ENSEMBLE
 from pipeline.published.evaluate import VERDICTS
+from pipeline.published.operands import values
 from pipeline.published.records import Statement, needs
 from pipeline.record import Record
 from pipeline.report.records import FigureCard
@@ -30,11 +32,13 @@ class ReportingPart(Record):
 
     figures: dict[str, FigureCard] = Field(default_factory=dict)
     published: dict[str, Statement] = Field(default_factory=dict)
+    answer: dict[str, Choice] = Field(default_factory=dict, description="in what the study's alternatives are compared")
 
 
 def _judged(config: Any, calibrated: Any, second_calibrated: Any) -> dict[str, Any]:
     return {
         "statements": named(config.published),
+        "answer": named(config.answer),
         "calibrated": calibrated,
         "second_calibrated": second_calibrated,
     }
@@ -73,9 +77,10 @@ JUDGED = Step(
     rule="judge_statements",
     message="Verdicts on the published statements: {chunk}",
     settings=_judged,
-    reads=("published",),
+    reads=("published", "answer"),
     takes=(EVERYTHING,),
-    tables={name: TableFile(f"{name}.parquet", VERDICTS) for name in ("verdicts", "second")},
+    tables={name: TableFile(f"{name}.parquet", VERDICTS) for name in ("verdicts", "second")}
+    | {"answer": TableFile("answer.parquet", ANSWER)},
     chunk=(1, 32),
     files=(REFERENCE,),
 )
@@ -118,7 +123,7 @@ def _verdicts(study: Any, made: Sequence[Draft]) -> Iterator[Node]:
     if not study.published:
         return
     asked = {name: needs(stated) for name, stated in study.published.items()}
-    shown = {"verdicts.parquet": "published/verdicts.parquet"}
+    shown = {f"{name}.parquet": f"published/{name}.parquet" for name in ("verdicts", "answer")}
     second: Mapping[str, Iterable[str]] | None = None
     if study.second_battery is not None:
         shown["second.parquet"] = "second/verdicts.parquet"
@@ -126,6 +131,7 @@ def _verdicts(study: Any, made: Sequence[Draft]) -> Iterator[Node]:
         second = {name: {of_second(one) for one in asked[name]} for name in by_charges}
     known = {node.name for node in made}
     wanted = {name for names in (*asked.values(), *(second or {}).values()) for name in names}
+    wanted |= {value.artefact for one in study.answer.values() for what in one.among.values() for value in values(what)}
     wanted |= {node.name for node in made if node.kind == ENSEMBLE}
     which = {
         "calibrated": _calibrated(study, made, asked),

@@ -22,6 +22,8 @@ def run(settings: Mapping[str, Any], inputs: Inputs, output: Output) -> None:
     data = replace(report_data(settings, inputs), parameters=listed)
     found = inputs.table("verdicts", "verdicts") if "verdicts" in inputs else None
     verdicts: Mapping[str, Any] = found or {column.name: [] for column in VERDICTS.columns}
+    told = inputs.table("verdicts", "answer") if "verdicts" in inputs and inputs.holds("verdicts", "answer") else {}
+    answer = [str(sentence) for sentence in told.get("sentence", [])]
     cards = {card["name"]: card for card in settings["figures"]}
     figures = {name: _figure(card, inputs[f"figure/{name}"]) for name, card in cards.items()}
     shown: list[ReportTable] = []
@@ -45,6 +47,7 @@ def run(settings: Mapping[str, Any], inputs: Inputs, output: Output) -> None:
         command=settings["command"],
         keys={name: folder.name for name, folder in sorted(inputs.items())},
         sections=sections,
+        answer=answer,
     )
     (output.folder / "index.html").write_text(render(content), encoding="utf-8")
     in_sections = [table for section in sections for table in section.tables]

@@ -6,6 +6,7 @@ from collections.abc import Iterable, Mapping
 from typing import Any
 
 from pipeline.kernel.artefacts import Inputs, Output
+from pipeline.published.answer import Choice, answered
 from pipeline.published.artefacts import Lookup, Sample
 from pipeline.published.ensemble import NAME as ENSEMBLE
 from pipeline.published.evaluate import evaluate
@@ -54,7 +55,13 @@ def run(settings: Mapping[str, Any], inputs: Inputs, output: Output) -> None:
     }
     calibrated = set(settings["calibrated"])
     nominal = Lookup(inputs)
-    output.write("verdicts", evaluate(statements, nominal, calibrated, samples(inputs, nominal)))
+    points = samples(inputs, nominal)
+    output.write("verdicts", evaluate(statements, nominal, calibrated, points))
+    choices = {
+        data["name"]: Choice.model_validate({key: value for key, value in data.items() if key != "name"})
+        for data in settings["answer"]
+    }
+    output.write("answer", answered(choices, nominal, points))
     if settings["second_calibrated"] is not None:
         second = Lookup(inputs.renamed(in_place_of_the_first(inputs)))
         calibrated = set(settings["second_calibrated"])

@@ -70,7 +70,7 @@ def _stage_ensemble(config: Any, first: str, estimated: Mapping[str, Any], **_: 
         "points": config.ensemble.slow_points,
         "estimated": estimated,
         "seed": config.seed,
-        "asked": asked(config.published, ("staging", "front")),
+        "asked": asked(config, ("staging", "front")),
     }
 
 
@@ -87,7 +87,7 @@ def _seed_ensemble(config: Any, first: str, compared: list[str], **_: Any) -> di
         "evaluations": config.staging.evaluations,
         "experiments": config.ensemble.experiments,
         "seed": config.seed,
-        "asked": asked(config.published, ("staging",), "search"),
+        "asked": asked(config, ("staging",), "search"),
     }
 
 
@@ -193,7 +193,7 @@ STAGE_ENSEMBLE = Step(
     rule="stage_over_estimates",
     message="Staged charges over the ranges of estimated parameters: {chunk}",
     settings=_stage_ensemble,
-    reads=(*_PROBLEM, "staging.weights", "staging.front", "ensemble", "published"),
+    reads=(*_PROBLEM, "staging.weights", "staging.front", "ensemble", "published", "answer"),
     takes=("staging",),
     tables=ANSWERS,
     priority=1,
@@ -207,7 +207,7 @@ SEED_ENSEMBLE = Step(
     reads=(
         *_PROBLEM,
         *("staging.weights.{first}", "staging.searches", "staging.use", "staging.replicates", "staging.evaluations"),
-        *("ensemble", "published"),
+        *("ensemble", "published", "answer"),
     ),
     takes=("staging",),
     tables=ANSWERS,
@@ -243,10 +243,10 @@ def _ensembles(study: Any, which: Mapping[str, Any], modules: tuple[str, ...]) -
     """Yield the charges over the ranges of the estimated parameters, and the searches with other seeds."""
     own, given = study.study.name, {"staging": "staging"}
     estimated = estimates(study.sources, ("battery", "staging.current_a"))
-    if study.ensemble.slow_points and estimated["ranges"] and asked(study.published, ("staging", "front")):
+    if study.ensemble.slow_points and estimated["ranges"] and asked(study, ("staging", "front")):
         shown = {"ensemble.parquet": "published/ensemble_of_stages.parquet"}
         yield Node(STAGE_ENSEMBLE, f"{NAME}/staging", own, {**which, "estimated": estimated}, given, shown)
-    read = " ".join(str(value["quantity"]) for value in asked(study.published, ("staging",), "search"))
+    read = " ".join(str(value["quantity"]) for value in asked(study, ("staging",), "search"))
     compared = [name for name in study.staging.searches if name in read or name == study.staging.use]
     if study.ensemble.experiments and read:
         shown = {"ensemble.parquet": "published/ensemble_of_stage_searches.parquet"}

@@ -138,7 +138,7 @@ def _ensemble_settings(
         "points": config.ensemble.slow_points,
         "estimated": estimated,
         "seed": config.seed,
-        "asked": asked(config.published, (SWITCHED_STEP.name,)),
+        "asked": asked(config, (SWITCHED_STEP.name,)),
     }
 
 
@@ -149,7 +149,7 @@ SAMPLED = Step(
     settings=_ensemble_settings,
     reads=(
         *("battery", "modes.{modes}", "charge", "engine", "converter.switched", "converter.bus_voltage_v"),
-        *("comparisons", "ensemble", "seed", "published"),
+        *("comparisons", "ensemble", "seed", "published", "answer"),
     ),
     takes=("engine", "supply", FOUND),
     tables=ANSWERS,
@@ -160,7 +160,7 @@ SAMPLED = Step(
 
 def _ensemble(study: Any, charges: list[tuple[str, str]]) -> Iterator[Node]:
     """Yield the first window of the charges that statements read, over the ranges of the estimated parameters."""
-    read = asked(study.published, (SWITCHED_STEP.name,))
+    read = asked(study, (SWITCHED_STEP.name,))
     rows = [one["where"] for one in read if "where" in one]
     own = [pair for pair in charges if any((row["comparison"], row["mode"]) == pair for row in rows)]
     references = {study.comparisons[comparison].reference for comparison, _ in own} - {None}

@@ -68,7 +68,7 @@ def _ensemble_settings(config: Any, modes: list[str], estimated: Mapping[str, An
         "points": config.ensemble.slow_points,
         "estimated": estimated,
         "seed": config.seed,
-        "asked": asked(config.published, (WEIGH.name,)),
+        "asked": asked(config, (WEIGH.name,)),
     }
 
 
@@ -103,7 +103,7 @@ SAMPLED = Step(
     rule="weigh_over_estimates",
     message="Charge time against peak temperature over the ranges of estimates: {chunk}",
     settings=_ensemble_settings,
-    reads=(*WEIGH.reads, "ensemble", "seed", "published"),
+    reads=(*WEIGH.reads, "ensemble", "seed", "published", "answer"),
     takes=("engine", FOUND),
     tables=ANSWERS,
     priority=1,
@@ -121,7 +121,7 @@ def nodes(study: Any) -> Iterator[Node]:
     yield Node(WEIGH, "trade_off", study.study.name, which, {"engine": "engine"}, shown)
     parts = ("battery", "charge", "trade_off", *(f"modes.{name}" for name in which["modes"]))
     estimated = estimates(study.sources, parts)
-    if study.ensemble.slow_points and estimated["ranges"] and asked(study.published, (WEIGH.name,)):
+    if study.ensemble.slow_points and estimated["ranges"] and asked(study, (WEIGH.name,)):
         shown = {"ensemble.parquet": "published/ensemble_of_trade_off.parquet"}
         which |= {"estimated": estimated}
         yield Node(SAMPLED, f"{NAME}/trade_off", study.study.name, which, {"engine": "engine"}, shown)
