@@ -43,7 +43,7 @@ def test_points_are_scrambled_sobols_and_lie_evenly() -> None:
     for path, (low, high) in estimated["ranges"].items():
         unit = (np.array([point[path] for point in points]) - low) / (high - low)
         assert sorted(np.floor(128 * unit).astype(int)) == list(range(128)), path
-    expected = qmc.Sobol(d=4, scramble=True, rng=np.random.default_rng(7)).random(128)
+    expected = qmc.Sobol(d=ensemble.DIMENSIONS, scramble=True, rng=np.random.default_rng(7)).random(128)[:, :4]
     names = ["battery.thermal.heat_capacity_j_k", "modes.a.current_a", "modes.c.current_a", "objective.soc"]
     low, high = np.array([estimated["ranges"][name] for name in names]).T
     np.testing.assert_allclose([[point[name] for name in names] for point in points], low + (high - low) * expected)
@@ -67,6 +67,8 @@ def test_ensembles_of_a_study_share_their_points() -> None:
         assert first["battery.thermal.heat_capacity_j_k"] == second["battery.thermal.heat_capacity_j_k"]
     without = {path: found for path, found in SOURCES.items() if path != "tracker.duty"}
     assert ensemble.estimates(without, ["battery"]) == ensemble.estimates(SOURCES, ["battery"])
+    later = SOURCES | {"converter.switched.buck.inductance_h": source(1.0, 2.0), "objective.a": source(1.0, 2.0)}
+    assert ensemble.estimates(later, ["battery", "modes.c"]) == ensemble.estimates(SOURCES, ["battery", "modes.c"])
 
 
 def test_without_ranges_every_point_is_the_studys_own() -> None:

@@ -28,7 +28,9 @@ from pipeline.record import Record
 NAME = "ensemble"
 """First word of the names of all ensembles."""
 VARIED = ("battery", "modes", "charge", "objective", "converter.switched", "staging", "trade_off")
-"""Parts of the configuration whose estimates are varied."""
+"""Parts of the configuration whose estimates are varied, in the order of their columns of the draw."""
+DIMENSIONS = 256
+"""Columns of the draw, always as many: what stands in a later part moves no point of an earlier one."""
 IMPOSSIBLE = (UserError, ValidationError, ValueError, ZeroDivisionError)
 """What says that no battery, mode or converter can be as a point has it."""
 ANSWERS = {
@@ -78,16 +80,18 @@ def estimates(sources: Mapping[str, Any], parts: Collection[str]) -> dict[str, A
     Returns
     -------
     `ranges`: key path -> lowest and highest value; `columns`: key path -> column of the draw, that of the study's other
-    ensembles; `dimensions` of the draw; `followers`: key path -> the path whose value it takes.
+    ensembles; `followers`: key path -> the path whose value it takes.
     """
     ranges = {path: source.range for path, source in sources.items() if source.range is not None}
     every = {path: _shared_name(path, limits) for path, limits in ranges.items() if below(path, VARIED)}
-    order = {name: column for column, name in enumerate(sorted(set(every.values())))}
+    part = {name: next(n for n, one in enumerate(VARIED) if below(path, [one])) for path, name in every.items()}
+    order = {name: column for column, name in enumerate(sorted(part, key=lambda name: (part[name], name)))}
+    if len(order) > DIMENSIONS:
+        raise UserError(f"sources: {len(order)} estimates have a range; allowed are {DIMENSIONS}")
     own = {path: list(ranges[path]) for path in every if below(path, parts)}
     return {
         "ranges": own,
         "columns": {path: order[every[path]] for path in own},
-        "dimensions": len(order),
         "followers": {
             path: leader
             for path, source in sources.items()
@@ -111,9 +115,7 @@ def draw(estimated: Mapping[str, Any], points: int, seed: int) -> list[dict[str,
     """
     from scipy.stats import qmc
 
-    if not estimated["dimensions"]:
-        return [{} for _ in range(points)]
-    unit = qmc.Sobol(d=estimated["dimensions"], scramble=True, rng=np.random.default_rng(seed)).random(points)
+    unit = qmc.Sobol(d=DIMENSIONS, scramble=True, rng=np.random.default_rng(seed)).random(points)
     columns, followers = estimated["columns"], estimated["followers"]
     drawn = [
         {path: low + (high - low) * float(row[columns[path]]) for path, (low, high) in estimated["ranges"].items()}

@@ -50,7 +50,9 @@ def test_the_switches_change_no_charge():
         {node.name: node.settings for node in drafts(study_from(compose_tree(words)))}
         for words in ([], [f"{BUCK}.inductance_h=330e-6"])
     )
-    assert {name for name in before if before[name] != after[name]} == {"switched", "converters", "page"}
+    assert {name for name in before if before[name] != after[name]} == {
+        *("switched", "converters", "page", "ensemble/switched"),
+    }
 
 
 def test_the_vocabulary_covers_the_numbers():
