@@ -4,8 +4,8 @@ VENV := .venv
 BIN := $(VENV)/bin
 CORES ?= 2
 
-.PHONY: all test test-slow lint bench bench-slow validate accuracy reproduce reproduce-generic expected setup setup-dev \
-	lock clean help
+.PHONY: all test test-slow lint bench bench-slow faults faults-short fuzz fuzz-short validate accuracy reproduce \
+	reproduce-generic expected setup setup-dev lock clean help
 
 all: setup ## run every study: results/ and reports/
 	$(BIN)/snakemake --cores $(CORES) all
@@ -28,6 +28,12 @@ bench: setup-dev ## time everything against its peers; fails where a ratio is be
 
 bench-slow: setup-dev ## the same, and the hour that PyBaMM takes minutes for
 	$(BIN)/python -m benchmarks hour all
+
+faults: setup-dev ## kills, full disks, read-only folders, by the thousand; a table of what ended right
+	$(BIN)/python -m tests.faults
+
+faults-short: setup-dev ## the same in about two minutes, for every change
+	$(BIN)/python -m tests.faults --short
 
 validate: setup ## hold the engine against closed forms, the first law, PyBaMM and ngspice (these two where installed)
 	$(BIN)/python -m pipeline validate --cores $(CORES)

@@ -84,6 +84,8 @@ def test_a_damaged_manifest_is_quarantined_and_said(text: str, tmp_path: Path) -
     assert said[0].startswith(f"{manifest} ")
     assert said[0].endswith("written anew")
     assert not manifest.exists()
+    assert [path.name for path in results.glob("quarantine/*/*/*")] == ["manifest.json"]
+    assert list(results.glob("*/*/manifest*.json")) == [], "nobody who looks for runs finds it"
 
 
 @pytest.mark.parametrize("replaced", ["junk", "gone", "folder"])

@@ -171,9 +171,10 @@ def quarantine(results: Path, path: Path) -> Path | None:
     """Move what is damaged out of the way; return where it lies now, None where there was nothing."""
     if not (path.exists() or path.is_symlink()):
         return None
-    folder = results / "quarantine"
+    # One folder deeper than a view: a manifest there is found by nobody who looks for runs.
+    folder = results / "quarantine" / path.parent.name[:12]
     folder.mkdir(parents=True, exist_ok=True)
-    away = Path(tempfile.mkdtemp(prefix=f"{path.parent.name[:12]}-", dir=folder)) / path.name
+    away = Path(tempfile.mkdtemp(prefix="changed-", dir=folder)) / path.name
     try:
         path.replace(away)
     except FileNotFoundError:
