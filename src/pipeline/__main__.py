@@ -9,7 +9,7 @@ from importlib import import_module
 
 from pipeline.errors import UserError
 from pipeline.kernel import store
-from pipeline.kernel.last_resort import last_resort
+from pipeline.kernel.last_resort import in_utf8, last_resort, refuse_other_bytes
 
 COMMANDS = ("run", "compare", "reproduce", "report", "store", "validate", "steps", "modes", "schema", "new")
 """The words; each is a module of `pipeline.commands` with `main(arguments) -> exit code`."""
@@ -20,6 +20,7 @@ def main(arguments: Sequence[str]) -> int:
     words = list(arguments)
     name = words.pop(0) if words and words[0] in COMMANDS else "run"
     try:
+        refuse_other_bytes(words)
         return _command(name)(words)
     except UserError as error:
         print(f"error: {error}", file=sys.stderr)
@@ -41,4 +42,5 @@ def _command(name: str) -> Callable[[Sequence[str]], int]:
 
 
 if __name__ == "__main__":
+    in_utf8()
     sys.exit(main(sys.argv[1:]))

@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import os
+import subprocess
+import sys
 from pathlib import Path
 
 import pytest
@@ -33,3 +36,21 @@ def test_without_a_folder_for_the_log_it_is_still_one_line(tmp_path: Path, capsy
     (tmp_path / "results").write_text("")
     assert program.main(["steps"]) == 1
     assert capsys.readouterr().err.count("\n") == 1
+
+
+def test_a_word_that_is_not_utf_8_is_a_mistake(capsys: pytest.CaptureFixture[str]) -> None:
+    assert program.main(["battery.title=\udcff"]) == 2
+    assert capsys.readouterr().err.startswith("error: b'battery.title=\\xff': not UTF-8")
+
+
+def test_names_are_the_same_in_a_locale_without_utf_8(tmp_path: Path) -> None:
+    code = (
+        "import sys; from pipeline.kernel.last_resort import in_utf8; "
+        "in_utf8(); open(sys.argv[1], 'w').close(); print(sys.argv[1])"
+    )
+    settings = os.environ | {"PYTHONPATH": str(Path(program.__file__).parents[1])}
+    settings |= {"LC_ALL": "POSIX", "PYTHONUTF8": "0", "PYTHONCOERCECLOCALE": "0"}
+    words = [sys.executable, "-c", code, "Säure"]
+    done = subprocess.run(words, cwd=tmp_path, env=settings, capture_output=True, check=True)
+    assert done.stdout == "Säure\n".encode()
+    assert [os.fsencode(path.name) for path in tmp_path.iterdir()] == ["Säure".encode()]

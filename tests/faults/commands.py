@@ -151,9 +151,12 @@ class Commands:
         return told or self._run(("snakemake", "--cores", "2", "all")) or self._differs(self.whole)
 
     def other_locale(self, command: Sequence[str]) -> str | None:
-        """Run without UTF-8."""
-        told = self._run(command, LC_ALL="POSIX", PYTHONUTF8="0", PYTHONCOERCECLOCALE="0")
-        return told or self._differs(self.part)
+        """Run without UTF-8, and a run whose name is not ASCII too."""
+        posix = {"LC_ALL": "POSIX", "PYTHONUTF8": "0", "PYTHONCOERCECLOCALE": "0"}
+        told = self._run(command, **posix) or self._differs(self.part)
+        named = self._run((*PIPELINE, 'battery.title="Säure"'), **posix)
+        name = os.fsencode(self.project.folder / "results" / STUDY / "battery.title=Säure")
+        return told or named or (None if os.path.isdir(name) else "another name of its folder")  # noqa: PTH112
 
     def _fails(self, command: Sequence[str], why: str, before: Sequence[str] = (), **environment: str) -> str | None:
         process = self._start(command, before, **environment)

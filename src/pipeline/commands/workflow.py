@@ -13,7 +13,7 @@ from typing import Any, Literal
 
 from pipeline.errors import UserError
 from pipeline.kernel import lock, planfile, publish, receipts, store
-from pipeline.kernel.last_resort import last_resort
+from pipeline.kernel.last_resort import in_utf8, last_resort, refuse_other_bytes
 from pipeline.kernel.publish import view_folder
 
 MOST_RUNS = 8
@@ -186,9 +186,12 @@ def open_workflow(config: Mapping[str, Any], main_process: bool = True) -> Workf
     ---------
     main_process : not one that Snakemake has started for a job.
     """
+    if main_process:
+        in_utf8()
     words = sys.argv[1:]
     purpose: Purpose = "job" if not main_process else "look" if only_looks(words) else "run"
     try:
+        refuse_other_bytes(words)
         return Workflow(config, purpose=purpose, asked=frozenset(words))
     except UserError as error:
         say(f"error: {error}")

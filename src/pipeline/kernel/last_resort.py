@@ -1,15 +1,21 @@
-"""The last resort where something fails that nobody foresaw: one line for a person, the rest in a log file."""
+"""The last resort where something fails that nobody foresaw, and what a person can do about an error of the system.
+
+Also how a command gets to UTF-8, whatever the locale: names of folders and files are the same everywhere.
+"""
 
 from __future__ import annotations
 
 import errno
 import os
+import sys
 import tempfile
 import time
 import traceback
+from collections.abc import Iterable
 from pathlib import Path
 
 from pipeline.kernel import store
+from pipeline.kernel.errors import UserError
 
 # What a person can do about an error of the system; others are left to the log file.
 _REMEDIES = {
@@ -37,6 +43,22 @@ def remedy(error: OSError, path: Path | None = None) -> str | None:
     if error.errno not in _REMEDIES:
         return None
     return f"{path or error.filename or 'a file'}: {error.strerror}; {_REMEDIES[error.errno]}"
+
+
+def in_utf8() -> None:
+    """Start the command of this process anew in Python's UTF-8 mode, unless its names of files are in UTF-8 already."""
+    if sys.getfilesystemencoding() == "utf-8" or sys.flags.utf8_mode:
+        return
+    sys.stdout.flush()
+    sys.stderr.flush()
+    os.execve(sys.executable, [sys.executable, *sys.orig_argv[1:]], os.environ | {"PYTHONUTF8": "1"})
+
+
+def refuse_other_bytes(words: Iterable[str]) -> None:
+    """Raise `UserError` for a word of the command line that is not UTF-8."""
+    for word in words:
+        if any("\udc80" <= letter <= "\udcff" for letter in word):
+            raise UserError(f"{os.fsencode(word)!r}: not UTF-8; give the words of the command line in UTF-8")
 
 
 def last_resort(error: Exception, results: Path) -> str:
