@@ -82,7 +82,7 @@ FORMS = [
 ENGINE = [
     ("engine.driver=averged", "driver: .*'auto', 'edge' or 'averaged'"),
     ("engine.tolerance=0", "tolerance: .*greater than 0"),
-    ("engine.maximum_step_s=0", "maximum_step_s: .*greater than 0"),
+    ("engine.maximum_step_s=0", "maximum_step_s: .*greater than or equal to 0.001"),
     ("engine.maximum_steps=0", "maximum_steps: .*greater than or equal to 1"),
 ]
 

@@ -13,7 +13,7 @@ from pipeline.errors import UserError, best_matches
 
 Origin = Callable[[str], str] | str
 _LONGEST = 1200
-_PLAIN = ("float", "int", "str", "bool", "list", "dict")
+_PLAIN = ("float", "int", "str", "bool", "list", "dict", "constrained-float", "constrained-int", "constrained-str")
 
 
 def explain(

@@ -18,6 +18,7 @@ from pipeline.kernel import registry
 from pipeline.published.vocabulary import check_statements
 from pipeline.record import Record
 
+_LONGEST = 2000
 # Folders of results/ and targets that belong to no experiment.
 _OWN = frozenset({"all", "benchmarks", "logs", "plan", "receipts", "report", "store"})
 
@@ -224,7 +225,8 @@ def explained(composed: Composed) -> Iterator[None]:
         path = message.split(":")[0].split(" ")[0]
         if path == "override":
             raise
-        raise UserError(f"{_cause(composed, path)}: {message}") from None
+        short = message if len(message) <= _LONGEST else f"{message[:_LONGEST]}..."
+        raise UserError(f"{_cause(composed, path)}: {short}") from None
 
 
 def _cause(composed: Composed, path: str) -> str:

@@ -55,9 +55,13 @@ class FigureCard(Record):
     @model_validator(mode="before")
     @classmethod
     def _found(cls, values: Any) -> Any:
-        if not isinstance(values, dict) or "module" in values or not isinstance(values.get("draw"), str):
-            return values
         known = registry.figures()
+        if not isinstance(values, dict) or not isinstance(values.get("draw"), str):
+            return values
+        if "module" in values:
+            if values["module"] != known.get(values["draw"]):
+                raise ValueError("module is found by the name of the drawing; leave it out")
+            return values
         if values["draw"] not in known:
             raise ValueError(f"draw is {values['draw']!r}, which draws nothing; {best_matches(values['draw'], known)}")
         return values | {"module": known[values["draw"]]}

@@ -150,7 +150,8 @@ def test_a_table_of_ones_own_is_learnt(tmp_path, ending):
 def test_another_content_of_the_table_is_another_key(tmp_path):
     path = tmp_path / "own.csv"
     path.write_text("temperature_c,gradient,rate_c\n0,0,1\n10,0,2\n")
-    words = [f"network.data.table={path}"]
+    few = [f"network.{key}" for key in ("form.centres=2", "size.smallest=1", "size.largest=2")]
+    words = [f"network.data.table={path}", *few]
     before = nodes(words)["surface"]
     path.write_text("temperature_c,gradient,rate_c\n0,0,1\n10,0,3\n")
     assert nodes(words)["surface"].settings != before.settings

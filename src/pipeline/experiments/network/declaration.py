@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from functools import lru_cache
 from pathlib import Path
 from typing import Any
 
@@ -191,7 +192,14 @@ def _varying(config: Any) -> dict[str, Any]:
 
 
 def _points(data: Any) -> float:
-    return float(profiles.MOST) if data.table is not None else float(data.grid.temperatures * data.grid.gradients)
+    if data.table is None:
+        return float(data.grid.temperatures * data.grid.gradients)
+    return float(_rows(data.table, GRADIENT_SECONDS[data.gradient_unit], digest.of_file(Path(data.table))))
+
+
+@lru_cache(maxsize=8)
+def _rows(table: str, gradient_seconds: float, content: str) -> int:
+    return len(profiles.read(Path(table), gradient_seconds).rate_c)
 
 
 def _making_effort(config: Any) -> Effort:
@@ -346,12 +354,13 @@ def check(study: Any) -> None:
     """
     if study.network is None:
         return
-    data, points = study.network.data, int(_points(study.network.data))
+    data = study.network.data
     if data.table is not None:
         try:
-            points = len(profiles.read(Path(data.table), GRADIENT_SECONDS[data.gradient_unit]).rate_c)
+            profiles.read(Path(data.table), GRADIENT_SECONDS[data.gradient_unit])
         except UserError as error:
             raise UserError(f"network.data.table: {error}") from None
+    points = int(_points(data))
     size = study.network.size
     for path, centres in (("form.centres", study.network.form.centres), ("size.largest", size.largest if size else 1)):
         if centres > points:

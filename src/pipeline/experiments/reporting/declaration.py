@@ -8,7 +8,9 @@ from typing import Any
 
 from pydantic import Field
 
+from pipeline.config.compose import options
 from pipeline.config.units import unit_of
+from pipeline.errors import UserError, best_matches
 from pipeline.experiments.reporting.verdicts import SECOND, answered_by_charges, of_second
 from pipeline.kernel import registry
 from pipeline.kernel.draft import paths, plain, reads_behind
@@ -110,6 +112,36 @@ TOLD = Step(
     files=("src/pipeline/report/templates/*", REFERENCE),
     shown=False,
 )
+
+
+_NAMING = ("mode", "weights", "searches", "functions")
+"""Options of figures that name modes, or what the names of an experiment's quantities are made of."""
+
+
+def check(study: Any) -> None:
+    """Refuse a figure that names what the run does not have.
+
+    Raises
+    ------
+    UserError : with the key path, the name, and those there are.
+    """
+    fields = [one.fields(study) for one in registry.experiments().values()]
+    words = {str(word) for steps in fields for named in steps.values() for listed in named.values() for word in listed}
+    known = {word for word in words if word.isidentifier()} | set(options("modes")) | set(study.modes)
+    for name, card in study.figures.items():
+        path = f"figures.{name}"
+        if card.comparison is not None and card.comparison not in study.comparisons:
+            near = best_matches(card.comparison, study.comparisons)
+            raise UserError(f"{path}.comparison: no comparison {card.comparison!r} in this run; {near}")
+        # A card of the study's own may show what a run leaves out; one that is changed says what it means.
+        keys = [word.lstrip("+").split("=")[0] for word in study.overrides]
+        if not any(key == path or key.startswith(f"{path}.options") for key in keys):
+            continue
+        for option in _NAMING:
+            asked = card.options.get(option, ())
+            for word in [asked] if isinstance(asked, str) else asked:
+                if word not in known:
+                    raise UserError(f"{path}.options.{option}: this run has no {word!r}; {best_matches(word, known)}")
 
 
 def closing(study: Any, made: Sequence[Draft]) -> Iterator[Node]:
@@ -251,5 +283,6 @@ EXPERIMENT = Experiment(
     title="verdicts, figures and the page",
     steps=(JUDGED, DRAWN, TOLD),
     part=ReportingPart,
+    checks=(check,),
     closing=closing,
 )
