@@ -116,6 +116,16 @@ def test_what_is_not_there_cannot_be_left_out(word: str, told: str) -> None:
         compose_tree([word])
 
 
+def test_the_keys_of_a_group_put_elsewhere_are_known() -> None:
+    words = ["weather@day.weathers.clear=measured", "day.weathers.clear.colums={ghi: G}"]
+    with pytest.raises(UserError, match=r"day\.weathers\.clear has no key 'colums'; best matches are: columns"):
+        compose_tree(words)
+    with pytest.raises(
+        UserError, match=r"units=\{time: min\}: day\.weathers\.clear\.units has no key 'time'; .*time_s"
+    ):
+        compose_tree([words[0], "day.weathers.clear.units={time: min}"])
+
+
 def test_several_values_are_no_run() -> None:
     for word in ("battery.capacity_ah=7,8", "battery=lfp_8ah,lead_acid_12v7ah"):
         with pytest.raises(UserError, match=f"override {word}: several values make a sweep"):

@@ -247,6 +247,11 @@ def _missing_option(error: MissingConfigException, words: Iterable[str], conf: P
     return UserError(f"no configuration {missing!r}: {str(error).splitlines()[0]}; groups: {', '.join(groups(conf))}")
 
 
+def _group(word: str) -> str:
+    """Return the group of an override: `weather` of weather@day.weathers.clear=measured."""
+    return word.split("=")[0].lstrip("+").split("@")[0]
+
+
 def _refused(
     error: Exception,
     words: Sequence[str],
@@ -262,7 +267,7 @@ def _refused(
         if tree is None:
             if f"'{key}'" not in str(error):
                 continue
-            chosen = [other for other in words if other.split("=")[0] in groups(conf) and other != word]
+            chosen = [other for other in words if _group(other) in groups(conf) and other != word]
             here: Mapping[str, Any] = _compose([*_mode_words((), conf), *chosen], (), conf).tree
         else:
             if full != key and not full.startswith((f"{key}.", f"{key}[")) and f"'{key}'" not in str(error):
