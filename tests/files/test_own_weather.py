@@ -13,7 +13,7 @@ from pipeline.errors import UserError
 from pipeline.files import weather_file
 from pipeline.files.content import settings, without_digest
 from pipeline.files.load import load_rows
-from pipeline.files.weather import date_of, weather_day, weather_rows
+from pipeline.files.weather import date_of, told, weather_day, weather_rows
 from pipeline.weather.records import MeasuredWeather, NoctCells
 
 GOOD = "time_s,irradiance_w_m2,ambient_c\n21600,0,15\n21660,12.5,15.1\n21780,30,15.2\n"
@@ -123,6 +123,14 @@ BAD = {
     "not a number": (GOOD.replace("12.5", "nan"), r"line 3, column irradiance_w_m2: value 'nan'"),
     "infinite": (GOOD.replace("12.5", "inf"), r"line 3, column irradiance_w_m2: value 'inf'"),
     "too bright": (GOOD.replace("12.5", "2001"), r"line 3, column irradiance_w_m2: value '2001'; .* 2000 W/m2"),
+    "a mark of nines": (
+        GOOD.replace("12.5", "-999"),
+        r"""value '-999'; allowed .* 2000 W/m2; where it means that nothing .*missing=\["-999"\]'""",
+    ),
+    "numbers as time": (
+        GOOD.replace("time_s", "time"),
+        r"allowed is a time as .*; a number has a unit, '.*units=\{time_s: s\}'",
+    ),
     "in kelvin": (GOOD.replace(",15.2", ",288.4"), r"line 4, column ambient_c: value '288.4'; .* -60 to 60 degC"),
     "back in time": (
         GOOD.replace("21780", "21600"),
@@ -142,6 +150,10 @@ BAD = {
     "no such day": (
         "time,irradiance_w_m2,ambient_c\n2015-02-30T00:00:00,1,1\n2015-03-01T00:00:00,1,1\n",
         r"line 2, column time: value '2015-02-30T00:00:00'; allowed is a time as 2015-03-20",
+    ),
+    "an hour twice": (
+        "time,irradiance_w_m2,ambient_c\n2019-10-27T02:55:00,1,1\n2019-10-27T02:00:00,1,1\n",
+        r"line 3, .* of the row before, .*; where clocks were put back, .*time_zone=Europe/Berlin",
     ),
     "offsets for some": (
         "time,irradiance_w_m2,ambient_c\n2015-02-20T00:00:00,1,1\n2015-03-01T00:00:00Z,1,1\n",
@@ -290,3 +302,16 @@ def test_a_load_of_another_day_is_refused(tmp_path):
         load_of(tmp_path / "load.csv", text, datetime.date(2015, 3, 22))
     with pytest.raises(UserError, match=r"has dates, rows from 2015-03-20 .*, and the weather has none; date the wea"):
         load_of(tmp_path / "load.csv", text)
+
+
+def test_a_gap_by_day_is_told_when_planning(tmp_path):
+    rows = [
+        f"{3600 * hour},{400 if 6 < hour < 19 else 0},15" for hour in range(24) if hour not in (3, 4, 5, 11, 12, 13)
+    ]
+    path = write(tmp_path, "\n".join(["time_s,irradiance_w_m2,ambient_c", *rows]))
+    dark = [said for said in told(card(path), "day.weathers.clear") if "dark" in said]
+    assert dark == [
+        "no rows for 10800 s from 11:00 on, which count as dark; day.weathers.clear.longest_gap_s=10800 has them "
+        "interpolated"
+    ]
+    assert not [said for said in told(card(path, longest_gap_s=10800.0), "x") if "dark" in said]

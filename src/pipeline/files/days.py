@@ -16,6 +16,8 @@ from pipeline.files.moments import DAY_S
 from pipeline.record import Label
 
 Array = NDArray[np.float64]
+# Clocks are put back by an hour at most.
+PUT_BACK_S = 3601.0
 _EPOCH = datetime.date(1970, 1, 1).toordinal()
 
 
@@ -227,5 +229,18 @@ def _refuse_unordered(clock: Clock, asked: Rows, rows: NDArray[np.int64], starts
     if len(wrong):
         before, row = int(rows[wrong[0]]), int(rows[wrong[0] + 1])
         raise asked.table.refused(
-            row, clock.column, clock.told(row), f"a time after that of the row before, {clock.told(before)}"
+            row,
+            clock.column,
+            clock.told(row),
+            f"a time after that of the row before, {clock.told(before)}{_put_back(clock, asked, before, row)}",
         )
+
+
+def _put_back(clock: Clock, asked: Rows, before: int, row: int) -> str:
+    """Return what an hour that occurs twice looks like, for the end of a message; empty where like something else."""
+    if asked.zone is None and not np.isnan(clock.offset_s[row]):
+        return ""
+    back_s = clock.wall_s[before] - clock.wall_s[row]
+    if not clock.dated or not 0.0 <= back_s < PUT_BACK_S:
+        return ""
+    return f"; where clocks were put back, {asked.key}time_zone=Europe/Berlin, or the zone that it was"

@@ -129,6 +129,8 @@ def pick(cells: Sequence[Any], rows: Iterable[int]) -> list[Any]:
 
 
 Array = NDArray[np.float64]
+# Numbers of nines from here on down are marks that loggers write.
+_LEAST_MARK = -90.0
 
 
 def values(
@@ -169,7 +171,7 @@ def values(
         found[place] = value / lengths_s[place] if unit.each_interval else value
         if not quantity.low <= found[place] <= quantity.high and not np.isnan(found[place]):
             converted = f", {found[place]:.4g} {quantity.unit}" if stated else ""
-            guess = "" if stated else quantities.of_value(quantity, float(found[place]), key)
+            guess = _mark(raw, key) or ("" if stated else quantities.of_value(quantity, float(found[place]), key))
             raise _refused(table, quantity, heading, row, cell, key, converted, guess)
     if not stated and len(found):
         quantities.refuse(table.path, quantity, heading, found, key)
@@ -184,6 +186,14 @@ def _is_missing(cell: Any, own: OwnFile, decimal: str) -> bool:
         return True
     value = number(cell, decimal)
     return value is not None and any(number(mark) == value for mark in own.missing)
+
+
+def _mark(value: float, key: str) -> str:
+    """Return that -999, -9999, -99.9 and the like often mean that nothing was measured; empty of other values."""
+    text = f"{value:g}"
+    if not text.startswith("-") or not set(text) <= set("-.9") or value > _LEAST_MARK:
+        return ""
+    return f"; where it means that nothing was measured, '{key}missing=[\"{text}\"]'"
 
 
 def _refused(

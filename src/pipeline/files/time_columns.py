@@ -147,7 +147,7 @@ def _since_1970(table: Table, name: str, key: str, told: Callable[[int], str], l
         return Read(read, name, WANTED, told, label, (said,))
     raise UserError(
         f"{table.path}: {table.named(0)}, column {name}: {told(0)}; allowed is {WANTED}; a number has a unit, "
-        f"'{key}units={{time: s}}', min or h since midnight"
+        f"'{key}units={{time_s: s}}', min or h since midnight"
     )
 
 

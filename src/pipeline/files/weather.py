@@ -16,7 +16,7 @@ from pipeline.files.days import Day, Rows, day_of
 from pipeline.files.headings import Found, values
 from pipeline.files.pvlib_files import Header
 from pipeline.files.weather_file import WeatherFile, ask, opened, transposed, zone_of
-from pipeline.weather.measured import Measured
+from pipeline.weather.measured import DARK, Measured, gaps, longest_gap_s
 from pipeline.weather.records import LIGHT, ClearSky, MeasuredWeather, Place, Surface, Weather
 from pipeline.weather.transposition import OnPanel, Parts, Site, on_panel
 
@@ -58,7 +58,25 @@ def date_of(weather: Weather, key: str = "weather") -> datetime.date | None:
 
 def told(weather: Weather, key: str = "weather") -> tuple[str, ...]:
     """Return what was found in a weather's file and how its light came onto the panel, in sentences, for the page."""
-    return weather_day(weather, key).said if isinstance(weather, MeasuredWeather) else ()
+    if not isinstance(weather, MeasuredWeather):
+        return ()
+    day = weather_day(weather, key)
+    return (*day.said, *_dark_by_day(weather, day.measured, key))
+
+
+def _dark_by_day(weather: MeasuredWeather, measured: Measured, key: str) -> list[str]:
+    """Say which gaps count as dark although it was light when they began or ended."""
+    said = []
+    for gap in gaps(measured, longest_gap_s(weather, measured)):
+        after = int(np.searchsorted(measured.clock_s, gap.clock_s + 0.5 * gap.length_s))
+        lit = float(measured.irradiance_w_m2[after - 1 : after + 1].max()) > 0.0
+        if gap.filled == DARK and lit:
+            hours, minutes = divmod(round(gap.clock_s / 60.0), 60)
+            said.append(
+                f"no rows for {gap.length_s:.0f} s from {hours:02d}:{minutes:02d} on, which count as dark; "
+                f"{key}.longest_gap_s={gap.length_s:.0f} has them interpolated"
+            )
+    return said
 
 
 def weather_day(weather: MeasuredWeather, key: str = "weather") -> WeatherDay:
