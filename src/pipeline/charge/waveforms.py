@@ -79,8 +79,8 @@ class Until(Bounds):
     temperature_c: Value = Field(None, description="battery temperature reached [degC]")
     voltage_drop_v: Value = Field(
         None,
-        description="terminal voltage fallen below its peak since the current was last lowered, by the sheet or by a "
-        "supply at its limit, while which nobody watches, -dV [V]",
+        description="terminal voltage fallen below its peak since the sheet or a supply at its limit last lowered the "
+        "current; not watched while the supply is at its limit, -dV [V]",
     )
     voltage_drop_v_cell: Value = Field(None, description="the same per cell in series [V]")
     temperature_rate_k_s: Value = Field(None, description="rate of the battery temperature reached, dT/dt [K/s]")
