@@ -4,8 +4,8 @@ VENV := .venv
 BIN := $(VENV)/bin
 CORES ?= 2
 
-.PHONY: all test test-slow lint bench bench-slow faults faults-short fuzz fuzz-short validate accuracy reproduce \
-	reproduce-generic expected setup setup-dev lock clean help
+.PHONY: all test test-slow test-struck lint bench bench-slow faults faults-short fuzz fuzz-short validate accuracy \
+	reproduce reproduce-generic expected setup setup-dev lock clean help
 
 all: setup ## run every study: results/ and reports/
 	$(BIN)/snakemake --cores $(CORES) all
@@ -15,6 +15,9 @@ test: setup-dev ## run the tests
 
 test-slow: setup-dev ## run the tests that take minutes
 	$(BIN)/python -m pytest -n $(CORES) --dist loadgroup -m slow
+
+test-struck: setup-dev ## every kind of damage by both commands, cold runs against what is expected: an hour
+	$(BIN)/python -m pytest -n $(CORES) --dist loadgroup -m struck
 
 fuzz: setup-dev ## wrong input at every front door: 1500 configurations, 340 files, 40 real commands a door; half an hour
 	$(BIN)/python -m tests.fuzz

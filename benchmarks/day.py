@@ -14,7 +14,7 @@ from typing import Any
 from benchmarks.peers import engine as peer
 from benchmarks.protocol import Figure, Row, Times, compared, interleaved, once
 from pipeline.bus.flows import kept_by_bus_j
-from pipeline.bus.records import drawn
+from pipeline.bus.load import drawn
 from pipeline.charge.records import EngineSettings
 from pipeline.charge.simulate import warm_up
 from pipeline.config.compose import compose_tree

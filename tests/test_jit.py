@@ -52,7 +52,7 @@ def test_copies_share_what_is_compiled_until_one_is_edited(tmp_path: Path, cache
     first, second = copied(tmp_path / "first"), copied(tmp_path / "second")
     assert asked(first, cache) == (0, 1)
     assert asked(second, cache) == (1, 0)
-    file = second / "pipeline" / "search" / "compiled.py"
+    file = second / "pipeline" / "search" / "moves.py"
     file.write_text(file.read_text().replace("_TERMS = 12", "_TERMS = 11"))
     assert asked(second, cache) == (0, 1)
 

@@ -25,7 +25,7 @@ YEARS_S = 3.2e9
 """A hundred years [s]."""
 # Wide enough for a coin cell and for a plant of gigawatts: what lies beyond is a slip of the hand or of the unit.
 SPANS = {
-    "A": Span(1e-15, 1e6),
+    "A": Span(1e-30, 1e6),
     "Ah": Span(1e-6, 1e6),
     "C": Span(1e-15, 1e3),
     "C-rate": Span(1e-6, 1e3),
@@ -34,7 +34,7 @@ SPANS = {
     "Hz": Span(1e-9, 1e10),
     "J/K": Span(1e-3, 1e9),
     "K": Span(1e-9, 1e4),
-    "K/W": Span(1e-9, 1e6),
+    "K/W": Span(1e-9, 1e15),
     "V": Span(1e-9, 1e6),
     "W": Span(1e-9, 1e12),
     "W/m2": Span(1e-9, 1e4),

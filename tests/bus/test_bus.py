@@ -7,7 +7,8 @@ from hypothesis import strategies as st
 from pydantic import TypeAdapter, ValidationError
 
 from pipeline.bus.flows import MODE_1, MODE_2, OFF, Change, available, charging_spans, closed, flows, state_at
-from pipeline.bus.records import Drawn, HourlyLoad, LoadProfile, MeasuredLoad, Switching, drawn, held
+from pipeline.bus.load import Drawn, drawn, held
+from pipeline.bus.records import HourlyLoad, LoadProfile, MeasuredLoad, Switching
 from pipeline.converter.records import Converter, Load, PowerChain
 from pipeline.errors import UserError
 

@@ -41,12 +41,6 @@ def test_every_calibration_is_looked_at():
         study_from(compose_tree(words))
 
 
-def test_an_end_of_a_range_that_no_battery_has_is_refused():
-    words = ["study=solar_reflex", "+charge.sources.initial_soc.range=[0.01,0.5]"]
-    with pytest.raises(UserError, match=r"charge\.initial_soc: 0\.01, an end of its source's range"):
-        study_from(compose_tree([*words, "battery=lead_acid_generic", "~battery@second_battery"]))
-
-
 @pytest.mark.parametrize(
     ("changes", "message"),
     [

@@ -107,7 +107,7 @@ def test_every_battery_takes_the_power_it_is_given(cell, driver):
     power = {"power_w_cell": 0.25 * used.capacity_ah}
     sheet = Mode(title="P", phases={"only": {"constant_power": {}}}, stop={"elapsed_s": 600.0}, **power)
     found = values(charge(used, sheet, settings(0.6), engine=EngineSettings(driver=driver)))
-    expected = 0.25 * used.capacity_ah * used.cells_in_series * 600.0 / 3600.0
+    expected = 0.25 * used.capacity_ah * used.cells * 600.0 / 3600.0
     assert found["energy_in_wh"] == pytest.approx(expected, rel=1e-7)
     assert abs(found["energy_balance_residual"]) < 1e-9
 

@@ -81,7 +81,7 @@ def test_a_rate_already_there_ends_a_phase_at_once():
     }
     result = charge(NICKEL, Mode(title="Two", phases=phases, stop={"elapsed_s": 100}), settings(0.02, **AT_30))
     assert result.phases["end_s"] == pytest.approx([0.0, 20.0], abs=1e-9)
-    assert result.phases["end_reason"] == ["temperature rate 0.01 K/s", "elapsed 20 s"]
+    assert result.phases["end_reason"] == ["temperature rate 0.01 K/s, met as it began", "elapsed 20 s"]
 
 
 def test_a_lowered_current_is_no_falling_voltage():

@@ -107,7 +107,7 @@ def test_an_edited_file_is_read_again(tmp_path: Path) -> None:
         ("day=null", "override day=null: a group is left out with ~day"),
         ("battery@second_battery=null", "a group is left out with ~battery@second_battery"),
         ("~dy", "override ~dy: the configuration has no key 'dy'; best matches are: day"),
-        ("~functions", "override ~functions: this study has no functions; it has: battery, "),
+        ("~functions", "override ~functions: this study has no functions; it has: answer, battery, "),
         ("~modes.cc_cv.volts_v", "override ~modes.cc_cv.volts_v: modes.cc_cv has no key 'volts_v'; .* voltage_v"),
     ],
 )

@@ -49,7 +49,7 @@ def test_what_is_half_written_is_seen(tmp_path: Path) -> None:
     ]
 
 
-@pytest.mark.slow
+@pytest.mark.struck
 def test_a_run_over_a_damaged_plan_ends_right_wherever_it_is_struck(tmp_path: Path) -> None:
     here = Path.cwd()
     try:

@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 from pydantic import ValidationError
 
-from pipeline.bus.records import MeasuredLoad, ProfileLoad, drawn
+from pipeline.bus.load import drawn
+from pipeline.bus.records import MeasuredLoad, ProfileLoad
 from pipeline.errors import UserError
 from pipeline.files.load import load_rows, told
 

@@ -7,10 +7,10 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from pipeline.file_record import OwnFile
 
 from pipeline.__main__ import COMMANDS
 from pipeline.config.schema import schema
+from pipeline.record import OwnFile
 from tests.fuzz import configurations, doors, files
 
 

@@ -175,7 +175,7 @@ def test_a_step_changes_the_page_that_shows_it(project: Path, before: dict[str, 
     with_step = text.replace("\nEXPERIMENT = Experiment(", DECLARED, 1).replace(
         "    nodes=nodes,", "    nodes=_more,", 1
     )
-    with_step = with_step.replace("steps=(WEIGH,)", "steps=(WEIGH, ANOTHER)", 1)
+    with_step = with_step.replace("steps=(WEIGH, ", "steps=(WEIGH, ANOTHER, ", 1)
     first = next(line for line in text.splitlines(keepends=True) if line.startswith("from pipeline.kernel.experiment"))
     with_step = with_step.replace(first, first + IMPORTS, 1)
     edits = {declaration: (text, with_step), f"{EXPERIMENT}/another.py": ("", STEP)}
@@ -183,7 +183,7 @@ def test_a_step_changes_the_page_that_shows_it(project: Path, before: dict[str, 
 
 
 def _outside(names: set[str]) -> set[str]:
-    """Return those of some nodes that are neither the trade-off's step nor figures that read it."""
+    """Return those of some nodes that are neither the trade-off's steps nor figures that read it."""
     cards = ("trade_off", "sensors", "figure_1_typical_charge", "figure_7_4c", "figure_8_8c", "figure_9_network_charge")
-    own = {"nicd_grnn/trade_off", *(f"nicd_grnn/figure/{card}" for card in cards)}
+    own = {"nicd_grnn/trade_off", "nicd_grnn/ensemble/trade_off", *(f"nicd_grnn/figure/{card}" for card in cards)}
     return names - own

@@ -127,8 +127,8 @@ def test_what_is_asked_is_read_by_statements_of_the_basis_and_answers_in_the_sam
 
 
 def test_what_is_kept_reads_as_what_is_written() -> None:
-    kept = ensemble.Kept({**ensemble.ANSWERS})
-    kept.rows("ensemble", [(0, "x of a.t", 1.0, 1, PARAMETERS)])
+    kept = ensemble.Kept()
+    kept.write("ensemble", {"point": [0], "value": [1.0]})
     kept.found({"anything": object()})
     reader = ensemble.reader({"a": kept.tables})
     assert reader.column(Value(quantity="value", artefact="a", table="ensemble")).tolist() == [1.0]

@@ -142,7 +142,7 @@ def whole(small: Project) -> Iterator[tuple[Project, dict[str, str]]]:
     subprocess.run(["cp", "-a", keep / "results", keep / "reports", small.folder], check=True)
 
 
-@pytest.mark.slow
+@pytest.mark.struck
 @pytest.mark.parametrize("command", COMMANDS)
 @pytest.mark.parametrize("damage", DAMAGE)
 def test_damage_heals_in_the_same_command_and_is_said(
@@ -163,6 +163,7 @@ def test_damage_heals_in_the_same_command_and_is_said(
 APART = ("a byte of a stored table", "no trace", "a garbled list of contents", "a folder in a view", "an edited plan")
 
 
+@pytest.mark.struck
 def test_several_damages_at_once_heal_at_once_and_then_nothing_is_to_be_done(
     whole: tuple[Project, dict[str, str]],
 ) -> None:

@@ -52,7 +52,7 @@ def test_another_number_is_told(edit: str, project: Project, expected: Path, tmp
     assert ", 1 differ; " in printed
 
 
-@pytest.mark.slow
+@pytest.mark.struck
 def test_a_cold_run_under_other_conditions_is_the_same_byte_for_byte(
     project: Project, expected: Path, tmp_path: Path
 ) -> None:
@@ -65,7 +65,7 @@ def test_a_cold_run_under_other_conditions_is_the_same_byte_for_byte(
     assert (cold / "reports/solar_reflex/default/index.html").is_file()
 
 
-@pytest.mark.slow
+@pytest.mark.struck
 def test_another_cpu_finds_the_same_within_tolerances(project: Project, expected: Path) -> None:
     told = project.run("pipeline", "reproduce", "--expected", str(expected), "--generic")
     assert "cpu: generic; recorded: " in told

@@ -252,6 +252,7 @@ class Battery(Record):
     cells_in_unit: int = Field(
         1,
         ge=1,
+        le=1000,
         description="electrochemical cells inside each of `cells_in_series` where a model knows only the block; what a "
         "sheet gives per cell is multiplied by both [1]",
     )

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import math
 from collections.abc import Iterator, Mapping, Sequence
 
@@ -193,15 +194,22 @@ def _unusual(name: str, currents: Mapping[str, float], battery: Battery) -> Iter
     if battery.usual_c_rate is None:
         return
     low, high = battery.usual_c_rate
-    for key, value in currents.items():
-        rate = value / battery.capacity_in_use_ah
-        # A trickle is meant to be less than a charge.
-        if rate > high * (1.0 + 1e-9) or (rate < low * (1.0 - 1e-9) and key != "trickle_a"):
-            yield (
-                f"phases.{name}.{key}: {value:.4g} A is {rate:.3g}C of {battery.name}; "
-                f"usual are {low:g}C to {high:g}C, "
-                f"{low * battery.capacity_in_use_ah:.4g} to {high * battery.capacity_in_use_ah:.4g} A"
-            )
+    rates = {key: value / battery.capacity_in_use_ah for key, value in currents.items()}
+    # A trickle is meant to be less than a charge.
+    beyond = {
+        key: max(rate / high, low / rate if key != "trickle_a" else 0.0)
+        for key, rate in rates.items()
+        if rate > high * (1.0 + 1e-9) or (rate < low * (1.0 - 1e-9) and key != "trickle_a")
+    }
+    for of, keys in itertools.groupby(beyond, key=lambda key: key.split(".")[0]):
+        group = list(keys)
+        key = max(group, key=beyond.__getitem__)
+        more = f", and {len(group) - 1} more of {of} are unusual" if len(group) > 1 else ""
+        yield (
+            f"phases.{name}.{key}: {currents[key]:.4g} A is {rates[key]:.3g}C of {battery.name}; "
+            f"usual are {low:g}C to {high:g}C, "
+            f"{low * battery.capacity_in_use_ah:.4g} to {high * battery.capacity_in_use_ah:.4g} A{more}"
+        )
 
 
 def _wanted(resolver: Resolver, name: str, phase: Phase, numbers: Mapping[str, float]) -> tuple[str, float] | None:

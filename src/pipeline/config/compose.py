@@ -267,8 +267,9 @@ def _refused(
         if tree is None:
             if f"'{key}'" not in str(error):
                 continue
-            chosen = [other for other in words if _group(other) in groups(conf) and other != word]
-            here: Mapping[str, Any] = _compose([*_mode_words((), conf), *chosen], (), conf).tree
+            own = _mode_words((), conf)
+            chosen = [other for other in words if _group(other) in groups(conf) and other not in (word, *own)]
+            here: Mapping[str, Any] = _compose([*own, *chosen], (), conf).tree
         else:
             if full != key and not full.startswith((f"{key}.", f"{key}[")) and f"'{key}'" not in str(error):
                 continue

@@ -12,7 +12,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pipeline.bus.flows import ENDED, MODE_1, MODE_2, OFF, Change, charging_spans, closed
-from pipeline.bus.records import Switching, held
+from pipeline.bus.load import held
+from pipeline.bus.records import Switching
 from pipeline.cell.circuit import ZERO_CELSIUS_K, compile_cell
 from pipeline.cell.records import Battery
 from pipeline.charge import drive

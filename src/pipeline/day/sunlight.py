@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pipeline.bus.flows import Available, available
-from pipeline.bus.records import Drawn, held
+from pipeline.bus.load import Drawn, held
 from pipeline.converter.records import PowerChain
 from pipeline.panel.maximum_power import maximum_power
 from pipeline.panel.records import REFERENCE_IRRADIANCE_W_M2, REFERENCE_TEMPERATURE_C, Panel

@@ -12,7 +12,8 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from pipeline.bus.records import WEEKDAYS, Drawn, LoadProfile, MeasuredLoad, ProfileLoad
+from pipeline.bus.load import Drawn
+from pipeline.bus.records import WEEKDAYS, LoadProfile, MeasuredLoad, ProfileLoad
 from pipeline.errors import UserError
 from pipeline.files import headings, profiles, quantities
 from pipeline.files.cells import Table

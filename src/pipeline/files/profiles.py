@@ -10,7 +10,8 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from pipeline.bus.records import Drawn, MeasuredLoad
+from pipeline.bus.load import Drawn
+from pipeline.bus.records import MeasuredLoad
 from pipeline.errors import UserError, best_matches
 from pipeline.files import quantities
 from pipeline.files.cells import Table, Torn, number, plain, shown

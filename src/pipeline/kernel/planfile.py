@@ -101,5 +101,5 @@ def command(study: str, overrides: Sequence[str]) -> str:
 
 def warnings(plan: Mapping[str, Any]) -> list[str]:
     """Return what whoever makes a plan is told of its runs, each sentence once."""
-    told = [f"warning: {run['study']}/{run['name']}: {line}" for run in plan["runs"] for line in run["warnings"]]
+    told = [f"note: {run['study']}: {line}" for run in plan["runs"] for line in run["warnings"]]
     return list(dict.fromkeys(told))

@@ -21,7 +21,7 @@ class Choice(Record):
 
     of: str = Field(min_length=1, description="what is compared, and under which condition")
     better: Literal["less", "greater"] = Field(description="which of two numbers is the better one")
-    by: float = Field(gt=0, description="least difference that matters [unit]")
+    by: float = Field(gt=0, le=1e6, description="least difference that matters [unit]")
     unit: str = Field(description="unit of the numbers")
     among: dict[str, Operand] = Field(min_length=2, description="alternative, for people -> its number")
 

@@ -246,20 +246,19 @@ def numbers_table(quantities: Iterable[Any]) -> dict[str, list[Any]]:
 
 
 class Kept(Output):
-    """Where a step writes tables that are read at once and not kept on disk.
+    """Where a step writes tables that are read at once and not kept on disk; of rows, named numbers alone."""
 
-    Arguments
-    ---------
-    declared : the step's tables.
-    """
-
-    def __init__(self, declared: Mapping[str, TableFile]) -> None:
-        super().__init__(Path(), declared)
+    def __init__(self) -> None:
+        super().__init__(Path(), {})
         self.tables: dict[str, Mapping[str, Any]] = {}
 
     def write(self, name: str, columns: Mapping[str, Any]) -> None:
         """Hold a table."""
         self.tables[name] = columns
+
+    def numbers(self, found: Iterable[Any], name: str = "quantities") -> None:
+        """Hold named numbers."""
+        self.write(name, numbers_table(found))
 
     def found(self, values: Mapping[str, Any]) -> None:
         """Let go of values that others would ask for."""

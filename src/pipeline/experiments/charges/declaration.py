@@ -48,6 +48,7 @@ def _ensemble_settings(
         "seed": config.seed,
         "asked": asked(config, ("charge",)),
         "charges": charges,
+        "tables": {name: file.plain() for name, file in CHARGE.items()},
         "comparisons": {name: card.level() for name, card in cards.items()},
         "stops": {name: card.stops for name, card in cards.items() if card.stops is not None},
     }

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping
 from typing import Any
 
 from pipeline.cell.records import Battery
@@ -11,9 +11,9 @@ from pipeline.charge.comparison import compared, level_of
 from pipeline.charge.records import ChargeSettings, EngineSettings, Mode
 from pipeline.charge.simulate import Charge, Supply, Task, simulate_many
 from pipeline.experiments.charges.charge import supply
-from pipeline.experiments.charges.tables import CHARGE
 from pipeline.kernel.artefacts import Inputs, Output
 from pipeline.kernel.digest import canonical
+from pipeline.kernel.tables import TableFile
 from pipeline.published import ensemble
 
 BATCH = 16
@@ -32,7 +32,7 @@ def run(settings: Mapping[str, Any], inputs: Inputs, output: Output) -> None:
         done = iter(simulate_many(tasks))
         for number, sheets, own in prepared:
             charges = {sheet: next(done) for sheet in own}
-            rows += _answers(number, settings["asked"], {name: charges.get(sheet) for name, sheet in sheets.items()})
+            rows += _answers(number, settings, {name: charges.get(sheet) for name, sheet in sheets.items()})
         print(f"{min(start + BATCH, len(points))} of {len(points)} points", flush=True)
     output.rows("ensemble", rows)
 
@@ -68,13 +68,12 @@ def _task(
     return task, canonical([name, mode.model_dump(mode="json")])
 
 
-def _answers(
-    point: int, asked: Sequence[Mapping[str, Any]], charges: Mapping[Name, Charge | None]
-) -> Iterator[ensemble.Row]:
+def _answers(point: int, settings: Mapping[str, Any], charges: Mapping[Name, Charge | None]) -> Iterator[ensemble.Row]:
     """Yield what is asked of a point; charges that no charger accepts make impossible what reads them."""
     held = {f"charge/{'/'.join(name)}": _tables(done) for name, done in charges.items() if done is not None}
-    reader = ensemble.reader(held, {"charge": CHARGE})
-    for one in asked:
+    declared = {name: TableFile.of(table) for name, table in settings["tables"].items()}
+    reader = ensemble.reader(held, {"charge": declared})
+    for one in settings["asked"]:
         possible = all(charges.get((c, m)) is not None for c, m in _read(one))
         yield from ensemble.answers(point, [one], reader if possible else None)
 

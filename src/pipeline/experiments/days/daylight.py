@@ -8,7 +8,8 @@ from typing import Any
 
 from pydantic import TypeAdapter
 
-from pipeline.bus.records import LoadProfile, drawn
+from pipeline.bus.load import drawn
+from pipeline.bus.records import LoadProfile
 from pipeline.converter.records import PowerChain, SwitchedBoost
 from pipeline.day.sunlight import Tracking, by_share, in_closed_loop, sunlight
 from pipeline.files.content import without_digest

@@ -7,7 +7,6 @@ from typing import Any
 
 from pipeline.experiments.frequency import tuning
 from pipeline.experiments.frequency.outcome import outcome
-from pipeline.experiments.frequency.tables import TUNING
 from pipeline.kernel.artefacts import Inputs, Output
 from pipeline.objective.optimum import objective_of
 from pipeline.objective.records import Problem
@@ -28,7 +27,7 @@ def run(settings: Mapping[str, Any], inputs: Inputs, output: Output) -> None:
             "search": {"quantities": _searched(settings["search"], seed)}
         }
         if settings["tuning"] is not None:
-            kept = ensemble.Kept(TUNING)
+            kept = ensemble.Kept()
             tuning.run({**settings["tuning"], "seed": seed}, inputs, kept)
             found["tuning"] = kept.tables
         reader = ensemble.reader(found)

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from pipeline.bus.records import Drawn
+from pipeline.bus.load import Drawn
 from pipeline.converter.records import Converter, PowerChain
 from pipeline.day.sunlight import by_share, sunlight
 from pipeline.experiments.validation.records import Curve, Found, at_least, at_most, largest
