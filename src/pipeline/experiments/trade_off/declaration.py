@@ -123,8 +123,8 @@ def nodes(study: Any) -> Iterator[Node]:
     estimated = estimates(study.sources, parts)
     if study.ensemble.slow_points and estimated["ranges"] and asked(study, (WEIGH.name,)):
         shown = {"ensemble.parquet": "published/ensemble_of_trade_off.parquet"}
-        which |= {"estimated": estimated}
-        yield Node(SAMPLED, f"{NAME}/trade_off", study.study.name, which, {"engine": "engine"}, shown)
+        varied = {**which, "estimated": estimated}
+        yield Node(SAMPLED, f"{NAME}/trade_off", study.study.name, varied, {"engine": "engine"}, shown)
 
 
 def _fields(study: Any) -> dict[str, Any]:
