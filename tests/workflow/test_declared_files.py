@@ -70,7 +70,7 @@ def opens_only_what_it_declared(project: Project, step: str, tmp_path: Path) -> 
     known = {path.relative_to(project.folder) for path in declared}
     for path in _opened(project, step, tmp_path) - known:
         is_code = path.suffix == ".py" or "__pycache__" in path.parts or path.parts[0] == ".cache"
-        is_store = path.parts[:2] in (("results", "store"), ("results", "plan"), ("results", "receipts"))
+        is_store = path.parts[:2] in {("results", name) for name in ("store", "plan", "receipts", ".jobs")}
         assert is_code or is_store or path == Path("requirements.lock"), (
             f"{step} opened {path}, which it did not declare"
         )
