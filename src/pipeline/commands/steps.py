@@ -29,9 +29,9 @@ def main(arguments: Sequence[str]) -> int:
 
 def chain() -> Iterator[str]:
     """Yield a line for each step: its name, its rule, the steps it takes from."""
-    yield f"{'step':<18}{'rule':<34}takes from"
+    yield f"{'step':<20}{'rule':<34}takes from"
     for name, step in registry.steps().items():
-        yield f"{name:<18}{step.rule:<34}{', '.join(_WORDS.get(one, one) for one in step.takes)}".rstrip()
+        yield f"{name:<20}{step.rule:<34}{', '.join(_WORDS.get(one, one) for one in step.takes)}".rstrip()
 
 
 def lines(step: Step) -> Iterator[str]:
