@@ -316,7 +316,7 @@ def check(study: Any) -> None:
 def _remarks(study: Any) -> Iterator[str]:
     """Yield what the files of weathers and load were taken for."""
     for name, weather in study.day.weathers.items() if study.day is not None else ():
-        yield from (f"day.weathers.{name}: {note}" for note in told(weather))
+        yield from (f"day.weathers.{name}: {note}" for note in told(weather, f"day.weathers.{name}"))
     if study.day is not None and isinstance(study.day.load, MeasuredLoad):
         dates = dict.fromkeys(date_of(weather) for weather in study.day.weathers.values())
         notes = dict.fromkeys(note for date in dates for note in loads.told(study.day.load, date))
