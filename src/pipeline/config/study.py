@@ -235,8 +235,3 @@ def _cause(composed: Composed, path: str) -> str:
     words = [word for word in composed.overrides if word.lstrip("+").startswith(f"{section}.")]
     told = composed.origin(path)
     return f"override {' '.join(words)}" if words and not told.startswith("override") else told
-
-
-def not_known(path: str, name: str, known: Any, what: str) -> UserError:
-    """Return the refusal of a name that stands at a key path."""
-    return UserError(f"{path}: no {what} {name!r}; {best_matches(name, known)}")

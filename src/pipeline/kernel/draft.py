@@ -69,6 +69,11 @@ def _words(value: Any) -> list[Any]:
     return [value] if isinstance(value, str) else list(value)
 
 
+def untitled(record: Any, name: str) -> dict[str, Any]:
+    """Return a record with its name for a title: titles are for readers, and changing one must compute nothing."""
+    return {**plain(record), "title": name}
+
+
 def plain(value: Any) -> Any:
     """Return a record, or a structure of records, as plain data."""
     if hasattr(value, "model_dump"):

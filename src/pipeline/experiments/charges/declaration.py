@@ -11,7 +11,7 @@ from pipeline.charge.vocabulary import SUMMARY
 from pipeline.config.compose import options
 from pipeline.experiments.charges.records import ChargesPart, check_modes, prepare, warn_modes
 from pipeline.experiments.charges.tables import CHARGE
-from pipeline.kernel.draft import plain
+from pipeline.kernel.draft import plain, untitled
 from pipeline.kernel.experiment import FOUND, Effort, Experiment, Label, Node, Step
 from pipeline.published.ensemble import ANSWERS, NAME, asked, estimates
 
@@ -160,11 +160,6 @@ def _charges(study: Any, cell: str) -> Iterator[Node]:
 
 def _inputs(study: Any) -> dict[str, str]:
     return {"engine": "engine"} | ({"supply": "supply"} if study.panel is not None else {})
-
-
-def untitled(record: Any, name: str) -> dict[str, Any]:
-    """Return a record with its name for a title: titles are for readers, and changing one must compute nothing."""
-    return {**plain(record), "title": name}
 
 
 def _readable(study: Any) -> Iterable[str]:

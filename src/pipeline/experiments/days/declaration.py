@@ -19,7 +19,7 @@ from pipeline.files import load as loads
 from pipeline.files.content import settings
 from pipeline.files.load import check_load, check_weather
 from pipeline.files.weather import date_of, told
-from pipeline.kernel.draft import plain
+from pipeline.kernel.draft import untitled
 from pipeline.kernel.experiment import FOUND, Effort, Experiment, Label, Node, Step
 from pipeline.kernel.tables import CHAOTIC, NOTES, NUMBERS, Column, Table, TableFile, numbers
 from pipeline.record import Record
@@ -189,8 +189,8 @@ def _day_settings(config: Any, weather: str, mode: str) -> dict[str, Any]:
         "engine": config.engine,
         "bus_capacitance_f": _bus_capacitance_f(config),
         # Titles are for readers, and changing one must compute nothing.
-        "battery": {**plain(config.battery), "title": config.battery.name},
-        "mode": {**plain(config.modes[mode]), "title": mode},
+        "battery": untitled(config.battery, config.battery.name),
+        "mode": untitled(config.modes[mode], mode),
     }
 
 

@@ -12,7 +12,7 @@ from pipeline.experiments.frequency.choices import FrequencyPart, pulsed_modes, 
 from pipeline.experiments.frequency.outcome import VARIABLE
 from pipeline.experiments.frequency.tables import CHAOS, OBJECTIVE, SEARCH, SETS, TUNING
 from pipeline.experiments.frequency.tuning_tables import CHAOS_NUMBERS, OBJECTIVE_NUMBERS
-from pipeline.kernel.draft import plain
+from pipeline.kernel.draft import plain, untitled
 from pipeline.kernel.experiment import Draft, Effort, Experiment, Label, Node, Step
 from pipeline.published.ensemble import ANSWERS, NAME, asked, estimates
 from pipeline.search import registry
@@ -26,7 +26,7 @@ _PROBLEM = ("objective.mode", "objective.soc", "objective.transistor", "objectiv
 
 def _objective_ensemble(config: Any, modes: Iterable[str], estimated: Mapping[str, Any]) -> dict[str, Any]:
     return {
-        "battery": {**plain(config.battery), "title": config.battery.name},
+        "battery": untitled(config.battery, config.battery.name),
         "modes": {name: {**_without_references(plain(config.modes[name])), "title": name} for name in modes},
         "objective": {**plain(config.objective), "title": config.objective.kind},
         "points": config.ensemble.points,

@@ -12,7 +12,7 @@ from pipeline.experiments.staging.choices import check, fields, finds, plan_of, 
 from pipeline.experiments.staging.records import Staging
 from pipeline.experiments.staging.tables import GATHERED, SEARCH, TRADED
 from pipeline.experiments.staging.vocabulary import FRONT, SEARCHED
-from pipeline.kernel.draft import plain
+from pipeline.kernel.draft import plain, untitled
 from pipeline.kernel.experiment import Effort, Experiment, Label, Node, Step
 from pipeline.published.ensemble import ANSWERS, NAME, asked, estimates
 from pipeline.record import Record
@@ -55,7 +55,7 @@ def _front_settings(config: Any, weights: str, **_: Any) -> dict[str, Any]:
     batteries = config.calibrations.items()
     return {
         "problem": _problem(config, weights),
-        "calibrations": [{"name": name, "battery": _untitled(battery)} for name, battery in batteries],
+        "calibrations": [{"name": name, "battery": untitled(battery, battery.name)} for name, battery in batteries],
         "front": config.staging.front,
         "starts": config.staging.starts,
         "seed": config.seed,
@@ -93,17 +93,12 @@ def _seed_ensemble(config: Any, first: str, compared: list[str], **_: Any) -> di
 
 def _problem(config: Any, weights: str) -> dict[str, Any]:
     return {
-        "battery": _untitled(config.battery),
+        "battery": untitled(config.battery, config.battery.name),
         "plan": plan_of(config),
         "current_a": config.staging.current_a,
         "rise": config.staging.rise,
         "weights": config.staging.weights[weights],
     }
-
-
-def _untitled(battery: Any) -> dict[str, Any]:
-    """Return a battery with its name for a title: titles are for readers, and changing one must compute nothing."""
-    return {**plain(battery), "title": battery.name}
 
 
 _PROBLEM = (

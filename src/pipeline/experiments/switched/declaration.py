@@ -7,7 +7,7 @@ from typing import Any
 
 from pipeline.converter.records import BOOST
 from pipeline.experiments.switched.choices import check
-from pipeline.kernel.draft import plain
+from pipeline.kernel.draft import plain, untitled
 from pipeline.kernel.experiment import FOUND, Experiment, Node, Step
 from pipeline.kernel.tables import NUMBERS, Column, Table, TableFile
 from pipeline.published.ensemble import ANSWERS, NAME, asked, estimates
@@ -96,7 +96,7 @@ SWITCHED = {
 def _settings(config: Any, charges: list[tuple[str, str]]) -> dict[str, Any]:
     return {
         # Titles are for readers, and changing one must compute nothing.
-        "battery": config.battery.model_copy(update={"title": config.battery.name}),
+        "battery": untitled(config.battery, config.battery.name),
         "switched": config.converter.switched,
         "bus_voltage_v": config.converter.bus_voltage_v,
         "panel_voltage_v": config.panel.string_voltage_v,
@@ -127,7 +127,7 @@ def _ensemble_settings(
     config: Any, charges: list[tuple[str, str]], modes: list[str], estimated: Mapping[str, Any], **_: Any
 ) -> dict[str, Any]:
     return {
-        "battery": {**plain(config.battery), "title": config.battery.name},
+        "battery": untitled(config.battery, config.battery.name),
         "modes": {name: {**plain(config.modes[name]), "title": name} for name in modes},
         "charge": config.charge,
         "engine": config.engine,

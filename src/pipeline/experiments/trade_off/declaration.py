@@ -9,7 +9,7 @@ from pydantic import Field
 
 from pipeline.charge.effort import ROW_B
 from pipeline.experiments.trade_off.records import TRADE_OFF_NUMBERS, TradeOff, fields
-from pipeline.kernel.draft import plain
+from pipeline.kernel.draft import plain, untitled
 from pipeline.kernel.experiment import FOUND, Effort, Experiment, Label, Node, Step
 from pipeline.kernel.tables import NUMBERS, Column, Table, TableFile
 from pipeline.published.ensemble import ANSWERS, NAME, asked, estimates
@@ -47,7 +47,7 @@ WEIGHED = {"trade_off": TableFile("trade_off.parquet", TRADE_OFF), **NUMBERS}
 def _settings(config: Any, modes: list[str]) -> dict[str, Any]:
     return {
         "trade_off": _untitled(plain(config.trade_off)),
-        "battery": {**plain(config.battery), "title": config.battery.name},
+        "battery": untitled(config.battery, config.battery.name),
         "modes": {name: {**plain(config.modes[name]), "title": name} for name in modes},
         "charge": config.charge.model_copy(update={"windows": [], "soc_marks": []}),
         "engine": config.engine,

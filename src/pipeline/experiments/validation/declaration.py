@@ -9,7 +9,7 @@ from pydantic import Field
 
 from pipeline.experiments.validation.records import Validation
 from pipeline.experiments.validation.registry import CHECKS, VALIDATION, installed, module_name
-from pipeline.kernel.draft import plain
+from pipeline.kernel.draft import plain, untitled
 from pipeline.kernel.experiment import Experiment, Node, Step
 from pipeline.record import Record
 
@@ -31,7 +31,7 @@ def _settings(config: Any, check: str, part: str | None, compared: tuple[str, ..
             "initial_soc": config.charge.initial_soc,
             "ambient_c": config.charge.ambient_c,
             # Titles are for readers, and changing one must compute nothing.
-            "battery": {**plain(config.battery), "title": config.battery.name},
+            "battery": untitled(config.battery, config.battery.name),
             "version": installed(peer),
         }
     return {"check": check, "settings": settings}
