@@ -25,11 +25,20 @@ F = TypeVar("F", bound=Callable[..., Any])
 _LOCATORS = f"{__name__}.Folder,UserProvidedCacheLocator,InTreeCacheLocator,UserWideCacheLocator,IPythonCacheLocator"
 
 
+def _cache_root() -> Path:
+    """Return where kernels are kept: as asked for, in the clone, or in the user's own cache of an installed package."""
+    asked = os.environ.get("CHARGE_PIPELINE_CACHE")
+    if asked:
+        return Path(asked)
+    if not digest.INSTALLED:
+        return digest.SHIPPED / ".cache"
+    return Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache") / "charge-pipeline"
+
+
 @cache
 def cache_folder(module: str) -> Path:
     """Return the folder of a module's compiled kernels, for the sources as they are now."""
-    root = Path(os.environ.get("CHARGE_PIPELINE_CACHE") or digest.PROJECT / ".cache")
-    return root / "numba" / digest.of_code(module)[:16]
+    return _cache_root() / "numba" / digest.of_code(module)[:16]
 
 
 class Folder:

@@ -230,7 +230,15 @@ def test_another_cpu_is_played_for_every_library_that_looks_at_it() -> None:
 
 def test_it_takes_the_project_as_it_is_and_nothing_that_was_made(tmp_path: Path) -> None:
     project = tmp_path / "project"
-    for name in ("conf/study/a.yaml", "src/pipeline/reports/x.py", "results/a", "reports/b", ".cache/c", ".git/d"):
+    for name in (
+        "conf/study/a.yaml",
+        "src/pipeline/reports/x.py",
+        "Snakefile",
+        "results/a",
+        "reports/b",
+        ".cache/c",
+        ".git/d",
+    ):
         (project / name).parent.mkdir(parents=True, exist_ok=True)
         (project / name).write_text("x")
     reproduce.copied(project, tmp_path / "copy")

@@ -28,6 +28,7 @@ ALLOWED = {
     **{name: SHARED | PHYSICS | FOUNDATION | {"kernel"} for name in SHARED},
     "experiments": SHARED | PHYSICS | FOUNDATION | {"kernel"},
     "commands": SHARED | PHYSICS | FOUNDATION | {"kernel", "experiments"},
+    "notebook": SHARED | PHYSICS | FOUNDATION | {"kernel", "experiments"},
     "__main__": {"commands", "errors", "kernel"},
 }
 

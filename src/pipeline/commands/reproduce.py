@@ -112,6 +112,8 @@ def _fresh(kept: Path | None) -> Iterator[Path]:
 
 def copied(project: Path, folder: Path) -> None:
     """Copy a project as it is, without what its runs made and what is hidden."""
+    if not (project / "Snakefile").is_file():
+        raise UserError(f"{project}: no Snakefile there, so no project; `charge-pipeline init FOLDER` makes one")
 
     def left_out(place: str, names: list[str]) -> set[str]:
         own = {name for name in names if name in MADE or name.startswith(".")} if Path(place) == project else set()

@@ -14,7 +14,7 @@ from pipeline.config.compose import compose_tree, expand, groups, options
 from pipeline.config.planning import make_plan
 from pipeline.errors import UserError
 from pipeline.kernel import lock, planfile, publish, registry, store
-from pipeline.kernel.digest import PROJECT
+from pipeline.kernel.digest import place
 
 EXAMPLES = """\
 examples:
@@ -76,8 +76,8 @@ def snakemake(words: Sequence[str], descriptor: int | None = None) -> int:
     ---------
     descriptor : of the lock of the results folder, held for Snakemake too.
     """
-    command = [sys.executable, "-m", "snakemake", "--snakefile", str(PROJECT / "Snakefile")]
-    command += ["--profile", str(PROJECT / "profiles" / "default"), *words]
+    command = [sys.executable, "-m", "snakemake", "--snakefile", str(place("Snakefile"))]
+    command += ["--profile", str(place("profiles/default")), *words]
     handed_on = () if descriptor is None else (descriptor,)
     environment = os.environ | ({} if descriptor is None else {lock.HANDED_ON: str(descriptor)})
     process = subprocess.Popen(command, env=environment, pass_fds=handed_on)
@@ -99,7 +99,7 @@ def _parser() -> argparse.ArgumentParser:
     parser = argparse.ArgumentParser(
         prog="python -m pipeline",
         description="Battery charging studies. Other words: compare, reproduce, report, store, validate, steps, "
-        "modes, schema, new; each has --help.",
+        "modes, schema, new, init; each has --help.",
         epilog=f"{EXAMPLES}\nconfiguration groups (group=option):\n{available}",
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )

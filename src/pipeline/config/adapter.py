@@ -55,13 +55,13 @@ class DefaultsLists(FileConfigSource):
 
 @contextmanager
 def opened(
-    conf: Path, content: Callable[[Path], Mapping[str, Any]], text: Callable[[Path], str]
+    confs: Sequence[Path], content: Callable[[Path], Mapping[str, Any]], text: Callable[[Path], str]
 ) -> Iterator[ConfigLoader]:
-    """Open Hydra's global state for a folder of groups, and leave it as it was found.
+    """Open Hydra's global state for folders of groups, and leave it as it was found.
 
     Arguments
     ---------
-    conf : the folder.
+    confs : Hydra's search path: the folders, the first one that has a file counts.
     content, text : read a YAML file.
     """
     GlobalHydra.instance().clear()
@@ -69,7 +69,10 @@ def opened(
     DefaultsLists.content = staticmethod(content)
     DefaultsLists.text = staticmethod(text)
     Plugins.instance().register(DefaultsLists)
-    Hydra.create_main_hydra2("pipeline", create_config_search_path(f"defaults://{conf}"))
+    path = create_config_search_path(f"defaults://{confs[0]}")
+    for conf in confs[1:]:
+        path.append("shipped", f"defaults://{conf}")
+    Hydra.create_main_hydra2("pipeline", path)
     try:
         with _without_resolvers():
             yield GlobalHydra.instance().config_loader()

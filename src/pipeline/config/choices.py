@@ -12,7 +12,7 @@ from hydra.core.override_parser.types import Override
 from hydra.errors import HydraException
 
 from pipeline.config import adapter
-from pipeline.config.inheritance import content
+from pipeline.config.inheritance import content, file_of, is_group, roots, within
 from pipeline.config.yaml_file import MOST_DEPTH, document, shown
 from pipeline.errors import UserError, best_matches
 
@@ -101,7 +101,7 @@ def chooses(word: Override, conf: Path) -> bool:
     ------
     UserError : it chooses what is no name of a file.
     """
-    if not _is_group(conf, word.key_or_group) or isinstance(word.value(), dict):
+    if not is_group(conf, word.key_or_group) or isinstance(word.value(), dict):
         return False
     if word.is_delete():
         return True
@@ -119,16 +119,10 @@ def chooses(word: Override, conf: Path) -> bool:
     return True
 
 
-def _is_group(conf: Path, name: str) -> bool:
-    try:
-        return bool(re.fullmatch(r"[\w/-]+", name)) and (conf / name).is_dir()
-    except (OSError, ValueError):
-        return False
-
-
 def options(group: str, conf: Path) -> list[str]:
     """Return the names of the YAML files of a group."""
-    return sorted(path.stem for path in (conf / group).glob("*.yaml") if not path.name.startswith("."))
+    files = (path for root in roots(conf) for path in (root / group).glob("*.yaml"))
+    return sorted({path.stem for path in files if not path.name.startswith(".")})
 
 
 def check_names(group: str, conf: Path) -> list[str]:
@@ -167,10 +161,10 @@ def check_defaults(words: Sequence[str], conf: Path) -> None:
         names = [] if override.is_delete() else value if isinstance(value, list) else [value]
         chosen[override.get_key_element().lstrip("+~")] = [str(getattr(one, "text", one)) for one in names]
     walk = _Walk(conf, chosen)
-    walk.into(conf / "config.yaml", ())
+    walk.into(file_of(conf, "config.yaml"), ())
     for key, files in chosen.items():
         for name in files:
-            walk.into(conf / key.split("@")[0] / f"{name}.yaml", ())
+            walk.into(file_of(conf, f"{key.split('@')[0]}/{name}.yaml"), ())
 
 
 class _Walk:
@@ -206,13 +200,14 @@ class _Walk:
 
     def _files(self, file: Path, key: str, names: Sequence[Any]) -> Iterator[Path]:
         group, _, package = key.partition("@")
-        folder = self.conf / group.strip("/") if group.startswith("/") else file.parent / group
-        inside = folder.relative_to(self.conf).as_posix()
+        beside = within(self.conf, file).parent / group
+        inside = group.strip("/") if group.startswith("/") else beside.as_posix()
         taken = self.chosen.get(f"{inside}@{package}" if package else inside, names) if key else names
         for name in taken:
             text = str(name).split("@")[0].removeprefix("optional ").strip()
             if name is not None and text != "_self_":
-                yield (self.conf if text.startswith("/") else folder) / f"{text.strip('/')}.yaml"
+                folder = "" if text.startswith("/") else f"{inside}/"
+                yield file_of(self.conf, f"{folder}{text.strip('/')}.yaml")
 
 
 def _fits(key: str, names: Sequence[Any]) -> bool:

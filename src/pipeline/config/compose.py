@@ -18,7 +18,7 @@ from omegaconf.errors import OmegaConfBaseException
 from pipeline.config import adapter, interpolation
 from pipeline.config.choices import Word, check_defaults, check_names, chooses, parse, told
 from pipeline.config.choices import options as _options
-from pipeline.config.inheritance import CONF, Layer, Stamp, content, merge, stamp
+from pipeline.config.inheritance import CONF, Layer, Stamp, content, file_of, is_group, merge, roots, stamp
 from pipeline.config.yaml_file import shown, text
 from pipeline.errors import UserError, best_matches
 
@@ -68,10 +68,10 @@ def choose(words: tuple[str, ...], conf: Path, state: Stamp) -> Choice:
     state : of its files, with which a kept choice ends.
     """
     check_defaults(words, conf)
-    with adapter.opened(conf, content, text) as loader:
+    with adapter.opened(roots(conf), content, text) as loader:
         files = adapter.files_of(loader, words)
     layers = tuple(
-        Layer(tuple(filter(None, package.split("."))), conf / f"{path}.yaml")
+        Layer(tuple(filter(None, package.split("."))), file_of(conf, f"{path}.yaml"))
         for package, path in files
         if not path.startswith("hydra/")
     )
@@ -96,7 +96,7 @@ class Composed:
             group, _, package = word.split("=", 1)[0].lstrip("+~").partition("@")
             key = package or group
             if path == key or path.startswith(key + "."):
-                if "=" in word and (CONF / group).is_dir() and path != key:
+                if "=" in word and is_group(CONF, group) and path != key:
                     continue
                 return word
         return None
@@ -187,7 +187,7 @@ def expand(words: Sequence[str]) -> list[list[str]]:
         raise UserError(
             f"override {without.input_line}: an interval has no values to take in turn; give range(1,5,0.5)"
         )
-    with adapter.opened(CONF, content, text) as loader:
+    with adapter.opened(roots(CONF), content, text) as loader:
         try:
             made = adapter.expanded(loader, words)
         except (HydraException, ValueError, ArithmeticError) as error:
@@ -210,14 +210,20 @@ def options(group: str, conf: Path = CONF) -> list[str]:
 
 
 def cards() -> dict[str, dict[str, Any]]:
-    """Return the card of every study as its file has it, by name; nothing is composed."""
-    held = {name: content(CONF / "study" / f"{name}.yaml").get("study") for name in options("study")}
-    return {name: card if isinstance(card, dict) else {} for name, card in held.items()}
+    """Return the card of every study as its file has it, by name; nothing is composed.
+
+    In a project that has studies of its own, the shipped ones stand apart.
+    """
+    files = {name: file_of(CONF, f"study/{name}.yaml") for name in options("study")}
+    own = {name for name, file in files.items() if file.is_relative_to(CONF)}
+    held = {name: content(file).get("study") for name, file in files.items()}
+    found = {name: card if isinstance(card, dict) else {} for name, card in held.items()}
+    return {name: card | ({"apart": True} if own and name not in own else {}) for name, card in found.items()}
 
 
 def groups(conf: Path = CONF) -> list[str]:
     """Return the names of the configuration groups."""
-    return sorted(path.name for path in conf.iterdir() if path.is_dir())
+    return sorted({path.name for root in roots(conf) for path in root.iterdir() if path.is_dir()})
 
 
 def _mode_words(words: Iterable[str], conf: Path) -> list[str]:
@@ -238,7 +244,7 @@ def _panel_words(words: Iterable[str]) -> list[str]:
 def _missing_option(error: MissingConfigException, words: Iterable[str], conf: Path) -> UserError:
     missing = error.missing_cfg_file or ""
     group, _, option = missing.rpartition("/")
-    if group and (conf / group).is_dir():
+    if group and is_group(conf, group):
         chosen = f"{group}={option}"
         word = next((word for word in words if word.startswith(f"{group}@") and word.endswith(f"={option}")), chosen)
         return UserError(

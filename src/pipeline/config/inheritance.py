@@ -5,14 +5,15 @@ Hydra would merge the sources like the values, and a changed value would keep th
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from pathlib import Path
+from pathlib import Path, PurePosixPath
 from typing import Any
 
 from pipeline.config.yaml_file import document, shown
 from pipeline.errors import UserError
-from pipeline.kernel.digest import PROJECT
+from pipeline.kernel.digest import PROJECT, confs
 
 CONF = PROJECT / "conf"
 Stamp = tuple[tuple[str, int, int], ...]
@@ -52,14 +53,41 @@ def content(path: Path) -> dict[str, Any]:
     return document(path).tree
 
 
-def stamp(folder: Path) -> Stamp:
-    """Return the state of every YAML file below a folder: another one after an edit."""
-    found = []
-    for path in sorted(folder.rglob("*.yaml")):
-        # What cannot be read counts too, as it is: it is told where it is chosen.
-        status = path.stat() if path.exists() else path.lstat()
-        found.append((path.as_posix(), status.st_mtime_ns, status.st_size))
-    return tuple(found)
+def roots(conf: Path) -> tuple[Path, ...]:
+    """Return the folders that a configuration is searched in: of the project's own also the one that is shipped."""
+    return confs() if conf == CONF else (conf,)
+
+
+def file_of(conf: Path, name: str) -> Path:
+    """Return a file of a configuration by its name there, from the first folder that has it."""
+    return next((root / name for root in roots(conf) if (root / name).is_file()), conf / name)
+
+
+def is_group(conf: Path, name: str) -> bool:
+    """Tell whether a configuration has a group of some name."""
+    try:
+        return bool(re.fullmatch(r"[\w/-]+", name)) and any((root / name).is_dir() for root in roots(conf))
+    except (OSError, ValueError):
+        return False
+
+
+def within(conf: Path, file: Path) -> PurePosixPath:
+    """Return a file's name inside the folder of configuration that it lies in."""
+    root = next(root for root in roots(conf) if file.is_relative_to(root))
+    return PurePosixPath(file.relative_to(root))
+
+
+def state(path: Path) -> tuple[int, int]:
+    """Return what tells a file from an earlier form of it: time of change [ns] and size."""
+    # What cannot be read counts too, as it is: it is told where it is chosen.
+    status = path.stat() if path.exists() else path.lstat()
+    return status.st_mtime_ns, status.st_size
+
+
+def stamp(conf: Path) -> Stamp:
+    """Return the state of every YAML file of a configuration: another one after an edit."""
+    files = (path for root in roots(conf) for path in sorted(root.rglob("*.yaml")))
+    return tuple((path.as_posix(), *state(path)) for path in files)
 
 
 def locate(path: Path, keys: Sequence[str]) -> int:

@@ -7,7 +7,7 @@ from copy import deepcopy
 from typing import Any
 
 from pipeline.config.compose import groups
-from pipeline.config.inheritance import CONF, content
+from pipeline.config.inheritance import CONF, content, roots
 from pipeline.config.sources import Source
 from pipeline.config.study import study_type
 from pipeline.kernel import registry
@@ -61,11 +61,11 @@ def _groups(root: Mapping[str, Any]) -> Iterator[tuple[str, dict[str, Any]]]:
 def _places() -> dict[str, str]:
     """Return group -> the key path at which the defaults lists of `conf/` put its files."""
     found: dict[str, str] = {}
-    for file in sorted(CONF.rglob("*.yaml")):
+    for file in (file for root in roots(CONF) for file in sorted(root.rglob("*.yaml"))):
         for entry in content(file).get("defaults", []):
             for key in entry if isinstance(entry, Mapping) else ():
                 group, _, package = str(key).removeprefix("override ").strip("/").partition("@")
-                inside = "" if file.parent == CONF / "study" else f"{file.parent.name}."
+                inside = "" if file.parent.name == "study" else f"{file.parent.name}."
                 found.setdefault(group, f"{inside}{package or group}")
     return found
 

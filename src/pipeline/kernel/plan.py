@@ -20,6 +20,7 @@ from pipeline.kernel.experiment import Draft
 from pipeline.kernel.planfile import VERSION
 
 PUBLISH_SIZE = 32
+_CODE = "src/pipeline/"
 PYTHON = f"{sys.version_info.major}.{sys.version_info.minor}"
 """What of the interpreter's version is part of every key."""
 # What every step goes through: a table that is written otherwise is another artefact.
@@ -118,10 +119,15 @@ def make(runs: Sequence[Run], asked: Collection[str] = ()) -> dict[str, Any]:
     }
 
 
-def step_files(step: str) -> list[Path]:
-    """Return the files a step declares that it reads beside its inputs."""
-    patterns = registry.steps()[step].files
-    return sorted(path for pattern in patterns for path in digest.PROJECT.glob(pattern))
+def step_files(step: str) -> dict[str, Path]:
+    """Return the files a step declares that it reads beside its inputs, by their names in the project."""
+    found: dict[str, Path] = {}
+    for pattern in registry.steps()[step].files:
+        code = pattern.removeprefix(_CODE)
+        roots = [("", digest.SHIPPED), ("", digest.PROJECT)] if code == pattern else [(_CODE, digest.PACKAGE)]
+        for prefix, root in roots:
+            found |= {prefix + path.relative_to(root).as_posix(): path for path in root.glob(code)}
+    return dict(sorted(found.items()))
 
 
 def _declared(name: str) -> dict[str, Any]:
@@ -144,7 +150,7 @@ def _identity(node: Draft, keys: Mapping[str, str]) -> dict[str, Any]:
         "settings": node.settings,
         "code": [digest.of_code(module) for module in modules],
         "tables": digest.of_value({name: one.plain() for name, one in registry.steps()[node.step].tables.items()}),
-        "files": {path.relative_to(digest.PROJECT).as_posix(): digest.of_file(path) for path in step_files(node.step)},
+        "files": {name: digest.of_file(path) for name, path in step_files(node.step).items()},
         "inputs": {name: keys[maker] for name, maker in node.inputs.items()},
         "lock": digest.of_lock(),
         "python": PYTHON,

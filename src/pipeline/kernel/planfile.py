@@ -88,7 +88,7 @@ def targets(plan: Mapping[str, Any]) -> list[str]:
 
 def studies() -> list[str]:
     """Return the names of all studies."""
-    return sorted(path.stem for path in (digest.PROJECT / "conf" / "study").glob("*.yaml"))
+    return sorted({path.stem for conf in digest.confs() for path in (conf / "study").glob("*.yaml")})
 
 
 def command(study: str, overrides: Sequence[str]) -> str:

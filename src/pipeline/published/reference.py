@@ -9,10 +9,10 @@ from typing import Any
 
 import numpy as np
 
-from pipeline.kernel.digest import PROJECT
+from pipeline.kernel.digest import SHIPPED
 from pipeline.kernel.tables import Table
 
-REFERENCE = PROJECT / "conf" / "published" / "reference"
+REFERENCE = SHIPPED / "conf" / "published" / "reference"
 """The folder of the papers' own tables, a CSV file each."""
 PRINTED = "reference"
 """First word of the names under which statements read them: `reference/<name>`."""
