@@ -12,7 +12,7 @@ import numba
 import pytest
 
 from pipeline.jit import Folder, cache_folder, kernel
-from pipeline.kernel.digest import PACKAGE
+from pipeline.kernel.places import PACKAGE
 
 ASK = """
 from pipeline.search import moves

@@ -11,7 +11,7 @@ from pipeline.errors import UserError
 from pipeline.kernel import store
 from pipeline.kernel.last_resort import in_utf8, last_resort, refuse_other_bytes
 
-COMMANDS = ("run", "compare", "reproduce", "report", "store", "validate", "steps", "modes", "schema", "new")
+COMMANDS = ("run", "compare", "reproduce", "report", "store", "validate", "steps", "modes", "schema", "new", "init")
 """The words; each is a module of `pipeline.commands` with `main(arguments) -> exit code`."""
 
 
@@ -36,11 +36,16 @@ def main(arguments: Sequence[str]) -> int:
         return 130
 
 
+def command() -> None:
+    """Run as the command of a terminal: `charge-pipeline`, or `python -m pipeline`."""
+    in_utf8()
+    sys.exit(main(sys.argv[1:]))
+
+
 def _command(name: str) -> Callable[[Sequence[str]], int]:
     command: Callable[[Sequence[str]], int] = import_module(f"pipeline.commands.{name}").main
     return command
 
 
 if __name__ == "__main__":
-    in_utf8()
-    sys.exit(main(sys.argv[1:]))
+    command()

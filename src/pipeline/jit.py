@@ -7,7 +7,6 @@ copies of the project share what they have in common.
 
 from __future__ import annotations
 
-import os
 import tempfile
 from collections.abc import Callable
 from functools import cache
@@ -19,26 +18,17 @@ import numpy as np
 from numba.core import config
 from numpy.typing import NDArray
 
-from pipeline.kernel import digest
+from pipeline.kernel.code import of_code
+from pipeline.kernel.places import cache_root
 
 F = TypeVar("F", bound=Callable[..., Any])
 _LOCATORS = f"{__name__}.Folder,UserProvidedCacheLocator,InTreeCacheLocator,UserWideCacheLocator,IPythonCacheLocator"
 
 
-def _cache_root() -> Path:
-    """Return where kernels are kept: as asked for, in the clone, or in the user's own cache of an installed package."""
-    asked = os.environ.get("CHARGE_PIPELINE_CACHE")
-    if asked:
-        return Path(asked)
-    if not digest.INSTALLED:
-        return digest.SHIPPED / ".cache"
-    return Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache") / "charge-pipeline"
-
-
 @cache
 def cache_folder(module: str) -> Path:
     """Return the folder of a module's compiled kernels, for the sources as they are now."""
-    return _cache_root() / "numba" / digest.of_code(module)[:16]
+    return cache_root() / "numba" / of_code(module)[:16]
 
 
 class Folder:

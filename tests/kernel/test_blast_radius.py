@@ -10,7 +10,7 @@ from pathlib import Path
 
 import pytest
 
-from pipeline.kernel.digest import PROJECT
+from pipeline.kernel.places import PROJECT
 
 EXPERIMENT = "src/pipeline/experiments/trade_off"
 KEYS = """

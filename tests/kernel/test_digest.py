@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import math
+import os
 import subprocess
 import sys
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from pathlib import Path
 from types import ModuleType
 
@@ -13,7 +14,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from pipeline.kernel import digest, registry
+from pipeline.kernel import code, digest, places, registry
+from pipeline.kernel.code import of_code
 
 JSON = st.recursive(
     st.none() | st.booleans() | st.integers() | st.floats(allow_nan=False, allow_infinity=False) | st.text(),
@@ -44,16 +46,21 @@ def package(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[tuple[P
     )
     (root / "deep.py").write_text("ZERO = 0\n")
     (root / "other.py").write_text("ONE = 1\n")
-    monkeypatch.setattr(digest, "PACKAGE", root)
+    monkeypatch.setattr(places, "PACKAGE", root)
+    monkeypatch.setenv("CHARGE_PIPELINE_CACHE", str(tmp_path / "cache"))
     yield root, digest
-    for cached in (digest._tree, digest._imports, digest._tree_digest):
+    _forget()
+
+
+def _forget() -> None:
+    """Be another process: what this one holds is gone, what it wrote is there."""
+    for cached in (code.closure, code.facts, code._kept, code._path, code._imports):
         cached.cache_clear()
 
 
 def _digest() -> str:
-    for cached in (digest._tree, digest._imports, digest._tree_digest):
-        cached.cache_clear()
-    return digest.of_code("toy.step")
+    _forget()
+    return of_code("toy.step")
 
 
 def test_a_folder_without_init_counts_for_nothing(package: tuple[Path, ModuleType]) -> None:
@@ -61,20 +68,20 @@ def test_a_folder_without_init_counts_for_nothing(package: tuple[Path, ModuleTyp
     (root / "figures").mkdir()
     (root / "figures" / "curve.py").write_text("from toy.helper import double\n")
     (root / "figures" / "more.py").write_text("from toy.figures import curve\n")
-    assert digest._closure("toy.figures.more") == {
+    assert code.closure("toy.figures.more") == {
         "toy",
         "toy.figures.more",
         "toy.figures.curve",
         "toy.helper",
         "toy.deep",
     }
-    assert len(digest.of_code("toy.figures.more")) == 64
+    assert len(of_code("toy.figures.more")) == 64
 
 
 def test_every_figure_is_found_and_has_a_digest() -> None:
     figures = registry.figures()
     assert {"energy", "charger", "circuit"} <= set(figures)
-    assert all(len(digest.of_code(module)) == 64 for module in figures.values())
+    assert all(len(of_code(module)) == 64 for module in figures.values())
 
 
 @pytest.mark.parametrize(
@@ -110,7 +117,7 @@ def test_no_module_of_ours_is_imported_behind_the_digests_back(step: str) -> Non
     module = registry.module(step)
     told = f"import sys, {module}; print(*(name for name in sys.modules if name.split('.')[0] == 'pipeline'))"
     done = subprocess.run([sys.executable, "-c", told], capture_output=True, text=True, check=True)
-    assert set(done.stdout.split()) <= digest._closure(module)
+    assert set(done.stdout.split()) <= code.closure(module)
 
 
 def test_what_only_type_checkers_read_does_not_count(package: tuple[Path, ModuleType]) -> None:
@@ -122,3 +129,37 @@ def test_what_only_type_checkers_read_does_not_count(package: tuple[Path, Module
     first = _digest()
     (package[0] / "other.py").write_text("ONE = 4\n")
     assert _digest() == first != before
+
+
+def test_another_process_parses_nothing_again(
+    package: tuple[Path, ModuleType], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    first = _digest()
+    monkeypatch.setattr(code, "_tree", lambda text, path: pytest.fail(f"parsed {path}"))
+    assert _digest() == first
+
+
+@pytest.mark.parametrize("harm", [lambda text: text.replace(b'"', b"'", 1), lambda text: text[:-40], lambda text: b""])
+def test_damaged_facts_count_for_nothing(package: tuple[Path, ModuleType], harm: Callable[[bytes], bytes]) -> None:
+    first = _digest()
+    kept = places.cache_root() / "code.json"
+    kept.write_bytes(harm(kept.read_bytes()))
+    assert _digest() == first
+
+
+def test_facts_that_are_another_texts_count_for_nothing(package: tuple[Path, ModuleType]) -> None:
+    """An edit that leaves time and size as they were is seen: a text is known by its content."""
+    first = _digest()
+    deep = package[0] / "deep.py"
+    status = deep.stat()
+    deep.write_text("ZERO = 9\n")
+    os.utime(deep, ns=(status.st_atime_ns, status.st_mtime_ns))
+    assert _digest() != first
+
+
+def test_a_cache_that_cannot_be_written_costs_time_alone(
+    package: tuple[Path, ModuleType], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    first = _digest()
+    monkeypatch.setenv("CHARGE_PIPELINE_CACHE", str(package[0] / "step.py" / "cache"))
+    assert _digest() == first

@@ -11,7 +11,7 @@ from pathlib import Path
 
 import pytest
 
-from pipeline.kernel.digest import PACKAGE
+from pipeline.kernel.places import PACKAGE
 
 # What stands under every room.
 FOUNDATION = {"errors", "jit", "quantity", "record"}

@@ -15,7 +15,7 @@ import numpy as np
 import pytest
 
 from pipeline.__main__ import main
-from pipeline.kernel import digest, store, tables
+from pipeline.kernel import digest, places, store, tables
 from tests.making import declared
 from tests.workflow.conftest import Project, copy_project, rules
 
@@ -123,7 +123,7 @@ def test_it_ends_so_in_a_terminal(tmp_path: Path) -> None:
         capture_output=True,
         text=True,
         cwd=tmp_path,
-        env=os.environ | {"PYTHONPATH": str(digest.PACKAGE.parent)},
+        env=os.environ | {"PYTHONPATH": str(places.PACKAGE.parent)},
     )
     assert done.returncode == 2, done.stdout + done.stderr
     _is_one_message(mistake, done.stdout, done.stderr)

@@ -9,7 +9,7 @@ from string import Template
 
 from pipeline.errors import UserError
 from pipeline.kernel import registry
-from pipeline.kernel.digest import PROJECT
+from pipeline.kernel.places import INSTALLED, PROJECT
 from pipeline.kernel.store import write_text
 
 SKELETON = Path(__file__).with_name("skeleton")
@@ -49,6 +49,10 @@ def write(name: str, project: Path) -> Iterator[Path]:
     ------
     UserError : a name that is taken or is none; nothing is written.
     """
+    if INSTALLED:
+        raise UserError(
+            "new experiment: an experiment is code, and goes into a clone of the project; here is an installed package"
+        )
     if not (name.isidentifier() and name == name.lower()):
         raise UserError(f"new experiment {name!r}: allowed are small letters, digits and underscores, a letter first")
     taken = {*registry.experiments(), *registry.steps(), *registry.labels(), *registry.targets()}

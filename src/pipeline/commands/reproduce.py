@@ -23,7 +23,7 @@ from pipeline.commands.expected import Comparison, Recorded
 from pipeline.commands.run import cores
 from pipeline.config.planning import run_name
 from pipeline.errors import UserError
-from pipeline.kernel import digest
+from pipeline.kernel import places
 from pipeline.kernel.store import write_text
 
 FOLDER = Path("reproducibility")
@@ -86,7 +86,7 @@ def _made(choices: argparse.Namespace, asked: Mapping[str, Any], conditions: Map
         return Recorded.of(choices.results), ""
     begin = time.monotonic()
     with _fresh(choices.folder) as folder:
-        copied(digest.PROJECT, folder)
+        copied(places.PROJECT, folder)
         run_cold(folder, asked, {**conditions, **(generic() if choices.generic else {})}, bool(conditions))
         took = time.monotonic() - begin
         return Recorded.of(folder / "results"), f", made in {took:.0f} s"
@@ -167,7 +167,7 @@ def machine(played: bool) -> dict[str, str]:
     if not played:
         return expectation.fingerprint()
     code = "import json; from pipeline.commands.expected import fingerprint; print(json.dumps(fingerprint()))"
-    environment = {**os.environ, **generic(), "PYTHONPATH": str(digest.PACKAGE.parent)}
+    environment = {**os.environ, **generic(), "PYTHONPATH": str(places.PACKAGE.parent)}
     told = subprocess.run([sys.executable, "-c", code], env=environment, capture_output=True, text=True, check=True)
     return dict(json.loads(told.stdout))
 

@@ -14,7 +14,7 @@ from pipeline.config.compose import compose_tree, expand, groups, options
 from pipeline.config.planning import make_plan
 from pipeline.errors import UserError
 from pipeline.kernel import lock, planfile, publish, registry, store
-from pipeline.kernel.digest import place
+from pipeline.kernel.places import place
 
 EXAMPLES = """\
 examples:

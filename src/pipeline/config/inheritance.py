@@ -13,7 +13,7 @@ from typing import Any
 
 from pipeline.config.yaml_file import document, shown
 from pipeline.errors import UserError
-from pipeline.kernel.digest import PROJECT, confs
+from pipeline.kernel.places import PROJECT, confs
 
 CONF = PROJECT / "conf"
 Stamp = tuple[tuple[str, int, int], ...]

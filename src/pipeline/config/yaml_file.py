@@ -15,7 +15,7 @@ from typing import Any, NamedTuple, NoReturn
 import yaml
 
 from pipeline.errors import UserError
-from pipeline.kernel.digest import PROJECT
+from pipeline.kernel.places import PROJECT
 
 MOST_BYTES = 1 << 20
 MOST_DEPTH = 64

@@ -13,7 +13,8 @@ from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
-from pipeline.kernel import digest, registry
+from pipeline.kernel import digest, places, registry
+from pipeline.kernel.code import of_code
 from pipeline.kernel.draft import behind
 from pipeline.kernel.errors import UserError
 from pipeline.kernel.experiment import Draft
@@ -124,7 +125,7 @@ def step_files(step: str) -> dict[str, Path]:
     found: dict[str, Path] = {}
     for pattern in registry.steps()[step].files:
         code = pattern.removeprefix(_CODE)
-        roots = [("", digest.SHIPPED), ("", digest.PROJECT)] if code == pattern else [(_CODE, digest.PACKAGE)]
+        roots = [("", places.SHIPPED), ("", places.PROJECT)] if code == pattern else [(_CODE, places.PACKAGE)]
         for prefix, root in roots:
             found |= {prefix + path.relative_to(root).as_posix(): path for path in root.glob(code)}
     return dict(sorted(found.items()))
@@ -148,7 +149,7 @@ def _identity(node: Draft, keys: Mapping[str, str]) -> dict[str, Any]:
     return {
         "step": node.step,
         "settings": node.settings,
-        "code": [digest.of_code(module) for module in modules],
+        "code": [of_code(module) for module in modules],
         "tables": digest.of_value({name: one.plain() for name, one in registry.steps()[node.step].tables.items()}),
         "files": {name: digest.of_file(path) for name, path in step_files(node.step).items()},
         "inputs": {name: keys[maker] for name, maker in node.inputs.items()},

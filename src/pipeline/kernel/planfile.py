@@ -9,7 +9,7 @@ from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-from pipeline.kernel import digest, store
+from pipeline.kernel import digest, places, store
 from pipeline.kernel.errors import UserError
 from pipeline.kernel.last_resort import remedy
 
@@ -88,7 +88,7 @@ def targets(plan: Mapping[str, Any]) -> list[str]:
 
 def studies() -> list[str]:
     """Return the names of all studies."""
-    return sorted({path.stem for conf in digest.confs() for path in (conf / "study").glob("*.yaml")})
+    return sorted({path.stem for conf in places.confs() for path in (conf / "study").glob("*.yaml")})
 
 
 def command(study: str, overrides: Sequence[str]) -> str:

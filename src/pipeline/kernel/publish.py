@@ -10,7 +10,7 @@ from importlib import metadata
 from pathlib import Path
 from typing import Any
 
-from pipeline.kernel import digest, receipts, store
+from pipeline.kernel import digest, places, receipts, store
 from pipeline.kernel.planfile import command
 
 FILES = "manifest.files.json"
@@ -216,5 +216,5 @@ def _commit() -> str | None:
 
 
 def _git(*words: str) -> str:
-    run = subprocess.run(["git", *words], cwd=digest.PROJECT, capture_output=True, text=True, check=True)
+    run = subprocess.run(["git", *words], cwd=places.PROJECT, capture_output=True, text=True, check=True)
     return run.stdout.strip()

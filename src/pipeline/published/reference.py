@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from pipeline.kernel.digest import SHIPPED
+from pipeline.kernel.places import SHIPPED
 from pipeline.kernel.tables import Table
 
 REFERENCE = SHIPPED / "conf" / "published" / "reference"

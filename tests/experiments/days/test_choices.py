@@ -12,8 +12,8 @@ import pytest
 from pipeline.config.compose import compose_tree, options
 from pipeline.config.study import study_from
 from pipeline.errors import UserError
-from pipeline.kernel.digest import PROJECT
 from pipeline.kernel.draft import drafts
+from pipeline.kernel.places import PROJECT
 
 WEATHERS = ("clear", "half_cloudy", "overcast")
 OWN = "weather@day.weathers.clear=measured"
