@@ -21,7 +21,7 @@ _SHOWN = (
     ("Voltage / V", 1.0, "Voltage [V]", ("voltage_min_v", "voltage_max_v")),
     ("Current / A", 1.0, "Current [A]", ("current_min_a", "current_max_a")),
     ("soc", 100.0, "State of charge [%]", None),
-    ("Surface Temperature T1 / degC", 1.0, "Temperature [°C]", None),
+    ("Surface Temperature / degC", 1.0, "Temperature [°C]", None),
 )
 
 
