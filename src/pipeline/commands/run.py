@@ -8,10 +8,9 @@ import signal
 import subprocess
 import sys
 from collections.abc import Sequence
+from typing import Any
 
 from pipeline.commands.workflow import say, tell
-from pipeline.config.compose import compose_tree, expand, groups, options
-from pipeline.config.planning import make_plan
 from pipeline.errors import UserError
 from pipeline.kernel import lock, planfile, publish, registry, store
 from pipeline.kernel.places import place
@@ -28,26 +27,23 @@ examples:
 
 def main(arguments: Sequence[str]) -> int:
     """Compose, plan and run; return Snakemake's exit code."""
-    parser = _parser()
+    parser = _parser(listing=bool({"-h", "--help"} & set(arguments)))
     options_, overrides = parser.parse_known_intermixed_args(arguments)
     unknown = [word for word in overrides if word.startswith("-")]
     if unknown:
         raise UserError(f"option {unknown[0]}: unknown; see python -m pipeline --help")
     words = [*options_.overrides, *overrides]
-    runs = expand(words)
-    if len(runs) > 1 and not options_.multirun:
-        raise UserError(f"{' '.join(words)}: {len(runs)} runs; a sweep needs -m")
     if options_.cfg:
-        for run in runs:
+        for run in _expanded(words, options_.multirun):
             _show(run)
         return 0
-    plan = make_plan(runs)
+    plan = planned(words, options_.multirun)
     for line in planfile.warnings(plan):
         print(line, file=sys.stderr, flush=True)
     planfile.target(plan, options_.target)
     file = planfile.save(plan, store.RESULTS, say)
     print(
-        f"plan {file}: {len(runs)} run{'s' * (len(runs) != 1)}, {len(plan['nodes'])} artefacts, "
+        f"plan {file}: {len(plan['runs'])} run{'s' * (len(plan['runs']) != 1)}, {len(plan['nodes'])} artefacts, "
         f"{len(plan['chunks'])} jobs at most",
         flush=True,
     )
@@ -65,6 +61,32 @@ def main(arguments: Sequence[str]) -> int:
             for line in tell(plan, [options_.target], store.RESULTS):
                 print(line)
     return code
+
+
+def planned(words: Sequence[str], multirun: bool = False) -> dict[str, Any]:
+    """Return the plan of a command's words, as an earlier process made it where nothing has changed since.
+
+    Raises
+    ------
+    UserError : a configuration that does not compose or validate, or a sweep without -m.
+    """
+
+    def made() -> dict[str, Any]:
+        from pipeline.config.planning import make_plan
+
+        return make_plan(_expanded(words, multirun))
+
+    return planfile.remembered(["run", str(multirun), *words], made)
+
+
+def _expanded(words: Sequence[str], multirun: bool) -> list[list[str]]:
+    # Composition needs Hydra; a plan that is remembered does without.
+    from pipeline.config.compose import expand
+
+    runs = expand(words)
+    if len(runs) > 1 and not multirun:
+        raise UserError(f"{' '.join(words)}: {len(runs)} runs; a sweep needs -m")
+    return runs
 
 
 def snakemake(words: Sequence[str], descriptor: int | None = None) -> int:
@@ -94,8 +116,12 @@ def snakemake(words: Sequence[str], descriptor: int | None = None) -> int:
     return code if code >= 0 else 128 - code
 
 
-def _parser() -> argparse.ArgumentParser:
-    available = "\n".join(f"  {group:<12} {', '.join(options(group))}" for group in groups())
+def _parser(listing: bool) -> argparse.ArgumentParser:
+    available = ""
+    if listing:
+        from pipeline.config.compose import groups, options
+
+        available = "\n".join(f"  {group:<12} {', '.join(options(group))}" for group in groups())
     parser = argparse.ArgumentParser(
         prog="python -m pipeline",
         description="Battery charging studies. Other words: compare, reproduce, report, store, validate, steps, "
@@ -119,6 +145,7 @@ def _parser() -> argparse.ArgumentParser:
 def _show(run: Sequence[str]) -> None:
     import yaml
 
+    from pipeline.config.compose import compose_tree
     from pipeline.config.study import study_from
 
     study = study_from(compose_tree(run))

@@ -11,7 +11,7 @@ from typing import Any
 from rich.console import Console
 from rich.table import Table
 
-from pipeline.commands.run import cores, snakemake
+from pipeline.commands.run import cores, planned, snakemake
 from pipeline.commands.workflow import say
 from pipeline.experiments.validation.records import BROKEN, NOT_INSTALLED
 from pipeline.experiments.validation.registry import CHECKS, VALIDATION
@@ -50,9 +50,7 @@ def exit_code(found: Mapping[str, Sequence[Mapping[str, Any]]]) -> int:
 
 
 def _made(cores: str) -> int:
-    from pipeline.config.planning import make_plan
-
-    plan = planfile.save(make_plan([[f"study={STUDY}"]]), store.RESULTS, say)
+    plan = planfile.save(planned([f"study={STUDY}"]), store.RESULTS, say)
     with lock.held(store.RESULTS, say) as descriptor:
         return snakemake([STUDY, "--cores", cores, "--config", f"plan={plan}"], descriptor)
 

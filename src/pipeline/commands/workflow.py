@@ -232,14 +232,18 @@ def _plan_file(config: Mapping[str, Any], results: Path, asked: Collection[str])
         raise UserError(f'--config {", ".join(sorted(unknown))}: unknown; allowed are plan=FILE and overrides="..."')
     if config.get("plan"):
         return Path(str(config["plan"]))
-    # Composition needs Hydra; a job that is handed a plan does without.
+    overrides = str(config.get("overrides") or "")
+    question = ["snakemake", overrides, *sorted(asked)]
+    return planfile.save(planfile.remembered(question, lambda: _planned(overrides, asked)), results, say)
+
+
+def _planned(overrides: str, asked: Collection[str]) -> dict[str, Any]:
+    # Composition needs Hydra; who is handed a plan, or has made it before, does without.
     from pipeline.config.compose import cards, expand
     from pipeline.config.planning import make_plan
 
-    overrides = config.get("overrides")
-    if overrides:
-        return planfile.save(make_plan(expand(split_overrides(str(overrides))), asked), results, say)
-    return planfile.save(make_plan([[f"study={name}"] for name in wanted(cards(), asked)], asked), results, say)
+    runs = expand(split_overrides(overrides)) if overrides else [[f"study={name}"] for name in wanted(cards(), asked)]
+    return make_plan(runs, asked)
 
 
 def wanted(cards: Mapping[str, Mapping[str, Any]], asked: Collection[str]) -> list[str]:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import bz2
 import gzip
-import hashlib
 import io
 import lzma
 import zipfile
@@ -14,6 +13,7 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 from pipeline.errors import UserError, best_matches
+from pipeline.kernel.digest import of_file
 from pipeline.record import OwnFile, Record
 
 MOST_BYTES = 1 << 30
@@ -114,8 +114,7 @@ def digest(path: Path) -> str:
     try:
         if not path.is_file():
             return ""
-        with path.open("rb") as file:
-            return hashlib.file_digest(file, "sha256").hexdigest()
+        return of_file(path)
     except (OSError, ValueError):
         return ""
 

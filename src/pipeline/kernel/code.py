@@ -4,14 +4,12 @@ from __future__ import annotations
 
 import ast
 import hashlib
-import json
-import os
 import sys
 from functools import cache
 from pathlib import Path
 from typing import NamedTuple
 
-from pipeline.kernel import places
+from pipeline.kernel import kept, places
 from pipeline.kernel.digest import of_value
 
 _KEPT_FILE = "code.json"
@@ -66,13 +64,13 @@ def facts(module: str) -> Facts:
         raise ModuleNotFoundError(f"no first-party module {module}")
     text = path.read_bytes()
     identity = hashlib.sha256(text + _reader()).hexdigest()
-    kept = _kept().get(module)
-    if kept is None or kept[0] != identity:
+    found = _kept().get(module)
+    if found is None or found[0] != identity:
         tree = _tree(text, path)
         made = Facts(hashlib.sha256(ast.dump(tree).encode()).hexdigest(), _names(tree, module))
-        kept = _kept()[module] = (identity, made)
+        found = _kept()[module] = (identity, made)
         _NEW.add(module)
-    return kept[1]
+    return found[1]
 
 
 _NEW: set[str] = set()
@@ -80,31 +78,15 @@ _NEW: set[str] = set()
 
 @cache
 def _kept() -> dict[str, tuple[str, Facts]]:
-    """Return what earlier processes kept; nothing of a file that is not as it was written."""
-    try:
-        said, _, text = (places.cache_root() / _KEPT_FILE).read_text(encoding="utf-8").partition("\n")
-        if hashlib.sha256(text.encode()).hexdigest() == said:
-            listed = json.loads(text)
-            return {name: (sha, Facts(digest, tuple(names))) for name, (sha, digest, names) in listed.items()}
-    except (OSError, ValueError):
-        pass
-    return {}
+    """Return what earlier processes found."""
+    listed = kept.read(_KEPT_FILE) or {}
+    return {name: (sha, Facts(digest, tuple(names))) for name, (sha, digest, names) in listed.items()}
 
 
 def _keep() -> None:
-    """Write what is new, whole or not at all; another process's write may win, which costs time alone."""
-    if not _NEW:
-        return
-    text = json.dumps({name: (sha, *made) for name, (sha, made) in sorted(_kept().items())})
-    file = places.cache_root() / _KEPT_FILE
-    temporary = file.with_name(f".{_KEPT_FILE}.{os.getpid()}")
-    try:
-        file.parent.mkdir(parents=True, exist_ok=True)
-        temporary.write_text(f"{hashlib.sha256(text.encode()).hexdigest()}\n{text}", encoding="utf-8")
-        temporary.replace(file)
-    except OSError:
-        pass  # a cache that cannot be written to
-    _NEW.clear()
+    if _NEW:
+        kept.write(_KEPT_FILE, {name: (sha, *made) for name, (sha, made) in sorted(_kept().items())})
+        _NEW.clear()
 
 
 @cache

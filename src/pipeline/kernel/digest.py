@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import hashlib
 import json
+from collections.abc import Iterator
+from contextlib import contextmanager
 from functools import cache
 from pathlib import Path
 from typing import Any
@@ -29,7 +31,30 @@ def of_value(value: Any, ordered: bool = False) -> str:
 def of_file(path: Path) -> str:
     """Return the sha256 of a file's content."""
     with path.open("rb") as file:
-        return hashlib.file_digest(file, "sha256").hexdigest()
+        found = hashlib.file_digest(file, "sha256").hexdigest()
+    for record in _RECORDS:
+        record[str(path.absolute())] = found
+    return found
+
+
+def of_folder(folder: Path) -> str:
+    """Return the sha256 of every file below a folder, by name and content; compiled Python is left out."""
+    files = (path for path in sorted(folder.rglob("*")) if path.is_file() and path.suffix != ".pyc")
+    return of_value([(path.relative_to(folder).as_posix(), of_file(path)) for path in files])
+
+
+_RECORDS: list[dict[str, str]] = []
+
+
+@contextmanager
+def recorded() -> Iterator[dict[str, str]]:
+    """Give path -> sha256 of every file whose digest is taken meanwhile."""
+    record: dict[str, str] = {}
+    _RECORDS.append(record)
+    try:
+        yield record
+    finally:
+        _RECORDS.remove(record)
 
 
 @cache

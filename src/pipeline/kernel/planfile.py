@@ -5,16 +5,46 @@ from __future__ import annotations
 import json
 import re
 import shlex
+import sys
 from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-from pipeline.kernel import digest, places, store
+from pipeline.kernel import digest, kept, places, store
 from pipeline.kernel.errors import UserError
 from pipeline.kernel.last_resort import remedy
 
 VERSION = 3
+_MOST_KEPT = 64
 _DIGEST = re.compile("[0-9a-f]{16}")
+
+
+def remembered(question: Sequence[str], make: Callable[[], dict[str, Any]]) -> dict[str, Any]:
+    """Return a plan as an earlier process made it, where nothing that planning reads has changed since; else make it.
+
+    Arguments
+    ---------
+    question : what was asked: the front door and its words.
+    make : plans; every file of a person's that it reads has its digest taken by `digest.of_file`.
+    """
+    folders = [places.PACKAGE, *places.confs()]
+    state = [[digest.of_folder(folder) for folder in folders], digest.of_lock(), sys.version, str(Path.cwd())]
+    name = f"plans/{digest.of_value([list(question), state])}.json"
+    found = kept.read(name)
+    if found is not None and all(_is_still(Path(path), sha256) for path, sha256 in found["files"].items()):
+        plan: dict[str, Any] = found["plan"]
+        return plan
+    with digest.recorded() as files:
+        plan = make()
+    kept.write(name, {"files": files, "plan": plan}, _MOST_KEPT)
+    return plan
+
+
+def _is_still(path: Path, sha256: str) -> bool:
+    try:
+        return digest.of_file(path) == sha256
+    except OSError:
+        return False
 
 
 def save(plan: Mapping[str, Any], results: Path, say: Callable[[str], None] = lambda line: None) -> Path:
