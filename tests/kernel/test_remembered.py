@@ -101,10 +101,9 @@ def listen(event, given):
 sys.addaudithook(listen)
 with digest.recorded() as files:
     make_plan([sys.argv[1:]])
-roots = [places.PACKAGE, *places.confs(), places.cache_root(), places.LOCK_FILE, Path(sys.prefix), Path(sys.base_prefix)]
-for path in sorted(opened - set(files)):
-    if not any(Path(path).is_relative_to(root) for root in roots) and not path.startswith(("/proc", "/usr", "/etc", "/dev")):
-        print(path)
+known = [places.PACKAGE, *places.confs(), places.cache_root(), places.LOCK_FILE, sys.prefix, sys.base_prefix]
+known += ["/proc", "/usr", "/etc", "/dev"]
+print(*(path for path in sorted(opened - set(files)) if not any(Path(path).is_relative_to(one) for one in known)))
 """
 
 
@@ -115,4 +114,4 @@ def test_every_file_that_planning_opens_is_known(door: str, tmp_path: Path) -> N
     file.write_text(files.TABLES[door])
     words = [*files.PLACES[door], f"{door}={file}"]
     done = subprocess.run([sys.executable, "-c", OPENED, *words], capture_output=True, text=True, check=False)
-    assert (done.returncode, done.stdout) == (0, ""), done.stderr[-600:]
+    assert (done.returncode, done.stdout) == (0, "\n"), done.stderr[-600:]
