@@ -13,7 +13,7 @@ from rich.markup import escape
 from rich.table import Table
 
 from pipeline.errors import UserError, best_matches
-from pipeline.kernel import tables
+from pipeline.kernel import publish, tables
 from pipeline.kernel.store import RESULTS
 from pipeline.published.answer import ANSWER
 from pipeline.published.evaluate import VERDICTS
@@ -44,7 +44,7 @@ def _unpublished(run: str) -> str:
         known = {path.parent.relative_to(RESULTS).as_posix() for path in RESULTS.glob("*/*/manifest.json")}
         return f"run {run!r}: not published here; {best_matches(run, known)}"
     manifest = json.loads(parts[0].read_text())
-    if (RESULTS / run / "manifest.json").is_file():
+    if (RESULTS / run / publish.MANIFEST).is_file():
         return f"run {run!r}: its study has no verdicts; the page is {Path('reports') / run / 'index.html'}"
     made = ", ".join(path.name.split(".")[1] for path in parts)
     return f"run {run!r}: only parts of it are here ({made}), and no verdicts; all of it: {manifest['command']}"

@@ -9,14 +9,15 @@ from typing import Any
 from pipeline.config.compose import compose_tree
 from pipeline.config.effort import check_effort
 from pipeline.config.study import study_from
-from pipeline.kernel import digest, plan, registry
+from pipeline.kernel import digest, plan, publish, registry, store
 from pipeline.kernel.draft import drafts, plain
 
 
 def make_plan(overrides: Iterable[Sequence[str]], asked: Collection[str] | None = None) -> dict[str, Any]:
     """Compose one run for each list of overrides and join their nodes into a plan.
 
-    A study run without overrides brings the runs that it has on request.
+    A study run without overrides brings the runs that it has on request; and takes over, under its own name, what one
+    of them has computed already: its page then shows that answer for as long as the key is the same.
 
     Arguments
     ---------
@@ -62,8 +63,23 @@ def run_of(words: Sequence[str]) -> plan.Run:
 
 def _runs(words: Sequence[str], asked: Collection[str] | None) -> Iterator[plan.Run]:
     run = run_of(words)
+    requests = run.configuration["study"].get("on_request", {}) if not run.overrides else {}
+    wanted = []
+    for target, more in requests.items():
+        named = asked is None or target in asked or any(f"/{run.study}/{run_name(more)}/" in word for word in asked)
+        once_made = digest.is_there(store.RESULTS / run.study / run_name(more) / publish.MANIFEST)
+        if named or once_made:
+            request = run_of([*words, *more])
+            wanted += [replace(request, target=target)] * named
+            if once_made and _all_made(request, run):
+                run = replace(request, name=run.name, overrides=run.overrides)
     yield run
-    requests = run.configuration["study"].get("on_request", {})
-    for target, more in requests.items() if not run.overrides else ():
-        if asked is None or target in asked or any(f"/{run.study}/{run_name(more)}/" in word for word in asked):
-            yield replace(run_of([*words, *more]), target=target)
+    yield from wanted
+
+
+def _all_made(request: plan.Run, run: plan.Run) -> bool:
+    """Tell whether the store holds that with which a run on request begins to be another; the rest is made of it."""
+    other = {node.name for node in request.nodes if request.keys[node.name] not in run.keys.values()}
+    first = [node for node in request.nodes if node.name in other and not other & set(node.inputs.values())]
+    folders = [store.artefact(store.RESULTS, node.step, request.keys[node.name]) for node in first]
+    return bool(folders) and all(digest.is_there(folder / store.CONTENTS) for folder in folders)

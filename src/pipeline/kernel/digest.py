@@ -37,12 +37,24 @@ def of_file(path: Path) -> str:
     return found
 
 
+def is_there(path: Path) -> bool:
+    """Tell whether a file is there, and keep in the records what was seen."""
+    try:
+        return bool(of_file(path))
+    except OSError:
+        for record in _RECORDS:
+            record[str(path.absolute())] = ABSENT
+        return False
+
+
 def of_folder(folder: Path) -> str:
     """Return the sha256 of every file below a folder, by name and content; compiled Python is left out."""
     files = (path for path in sorted(folder.rglob("*")) if path.is_file() and path.suffix != ".pyc")
     return of_value([(path.relative_to(folder).as_posix(), of_file(path)) for path in files])
 
 
+ABSENT = ""
+"""What a record has of a file that was not there."""
 _RECORDS: list[dict[str, str]] = []
 
 

@@ -44,7 +44,7 @@ def _is_still(path: Path, sha256: str) -> bool:
     try:
         return digest.of_file(path) == sha256
     except OSError:
-        return False
+        return sha256 == digest.ABSENT
 
 
 def save(plan: Mapping[str, Any], results: Path, say: Callable[[str], None] = lambda line: None) -> Path:

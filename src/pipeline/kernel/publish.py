@@ -13,6 +13,8 @@ from typing import Any
 from pipeline.kernel import digest, places, receipts, store
 from pipeline.kernel.planfile import command
 
+MANIFEST = "manifest.json"
+"""The manifest of a run that was published whole."""
 FILES = "manifest.files.json"
 """The manifest of files that were asked for by their paths; many jobs add to it."""
 
@@ -76,7 +78,7 @@ def publish_run(run: Mapping[str, Any], results: Path, part: str, steps: Collect
     """
     folder = view_folder(results, run, "results")
     _drop_other_runs(results, folder, run["digest"])
-    manifest = folder / ("manifest.json" if part == "all" else f"manifest.{part}.json")
+    manifest = folder / (MANIFEST if part == "all" else f"manifest.{part}.json")
     shown = []
     for step, key in dict.fromkeys((item["step"], item["key"]) for item in run["view"] if item["step"] in steps):
         store.whole(results, step, key, f"{run['study']}/{run['name']}")

@@ -14,6 +14,7 @@ from pipeline.config.study import study_from
 from pipeline.errors import UserError
 from pipeline.experiments.functions import function_runs, functions, page
 from pipeline.experiments.functions.numbers import VOCABULARY, fields
+from pipeline.kernel import digest, publish, store
 from pipeline.kernel.draft import drafts
 from pipeline.report import style
 from pipeline.report.records import FigureCard
@@ -157,6 +158,41 @@ def test_a_run_on_request_is_made_for_its_target_alone(monkeypatch):
     made_twice = [key for chunk in made["chunks"].values() if "nodes" in chunk for key in chunk["nodes"]]
     assert sorted(made_twice) == sorted(made["nodes"])
     assert len(planning.make_plan([["functions.threshold=1e-3"]])["runs"]) == 1
+
+
+def test_the_page_shows_what_was_computed_on_request_while_its_key_is_the_same(monkeypatch, tmp_path):
+    request = ["functions.variants.replicates=30"]
+
+    def with_request(words):
+        found = compose_tree((*SMALL, *words))
+        study = found.tree["study"] | {"on_request": {"all_of_it": request}}
+        return replace(found, overrides=tuple(words), tree=found.tree | {"study": study})
+
+    def keys(run):
+        return {key for key, node in made["nodes"].items() if node["step"] == "function_runs"} & {
+            node["key"] for node in run["nodes"].values()
+        }
+
+    monkeypatch.setattr(planning, "compose_tree", with_request)
+    monkeypatch.setattr(store, "RESULTS", tmp_path)
+    made = planning.make_plan([[]])
+    usual, whole = map(keys, made["runs"])
+    assert not usual & whole
+    manifest = tmp_path / "solar_reflex" / planning.run_name(request) / publish.MANIFEST
+    computed = [store.artefact(tmp_path, made["nodes"][key]["step"], key) / store.CONTENTS for key in whole]
+    for file in (manifest, *computed):
+        file.parent.mkdir(parents=True)
+        file.write_text("{}")
+    with digest.recorded() as seen:
+        made = planning.make_plan([[]], [])
+    (run,) = made["runs"]
+    assert (run["name"], run["overrides"], keys(run)) == ("default", [], whole)
+    assert {str(file) for file in (manifest, *computed)} <= set(seen)
+    computed[0].unlink()
+    with digest.recorded() as seen:
+        made = planning.make_plan([[]], [])
+    assert keys(made["runs"][0]) == usual
+    assert seen[str(computed[0])] == digest.ABSENT
 
 
 @pytest.mark.parametrize(
