@@ -22,6 +22,14 @@ FIGURES = ("panel_curves", "figure_16_battery_temperature", "energy_by_loss_path
 PARTS = ("Snakefile", "workflow", "profiles", "conf", "src", "requirements.lock")
 
 
+@pytest.hookimpl(tryfirst=True)
+def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+    """Leave to `make test-slow` what runs a whole study; the rest runs seven jobs of a second each."""
+    for item in items:
+        if "project" in getattr(item, "fixturenames", ()):
+            item.add_marker(pytest.mark.slow)
+
+
 @dataclass(frozen=True)
 class Project:
     """A project folder and the commands a person types in it."""

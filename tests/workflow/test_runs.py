@@ -146,6 +146,7 @@ def test_snakemake_says_the_same_and_leaves_results_alone(project: Project) -> N
     assert sorted((project.folder / "results").rglob("*")) == before
 
 
+@pytest.mark.slow
 def test_a_killed_run_goes_on_with_the_same_command(tmp_path: Path) -> None:
     project = copy_project(tmp_path / "project")
     environment = os.environ | {"PYTHONPATH": str(project.folder / "src")}

@@ -15,7 +15,7 @@ import pytest
 from pipeline.kernel import digest, lock
 from tests.workflow.conftest import ROOT, Project, small_project
 
-pytestmark = [pytest.mark.workflow]
+pytestmark = [pytest.mark.workflow, pytest.mark.slow]
 
 
 @contextmanager
