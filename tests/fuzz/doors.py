@@ -63,7 +63,7 @@ def workflow(words: Sequence[str]) -> Outcome:
     """Open the workflow, as the Snakefile does with `--config overrides=`."""
     with tempfile.TemporaryDirectory() as folder:
         results = Path(folder) / "results"
-        outcome = _judged(lambda: Workflow({"overrides": shlex.join(words)}, results=results, tidy=False))
+        outcome = _judged(lambda: Workflow({"overrides": shlex.join(words)}, results=results, purpose="look"))
         if outcome.word == "refused" and results.exists():
             return Outcome("broken", f"results/ was written before it was refused: {outcome.told}")
         return outcome

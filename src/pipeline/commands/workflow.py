@@ -232,7 +232,7 @@ def _plan_file(config: Mapping[str, Any], results: Path, asked: Collection[str])
         raise UserError(f'--config {", ".join(sorted(unknown))}: unknown; allowed are plan=FILE and overrides="..."')
     if config.get("plan"):
         return Path(str(config["plan"]))
-    overrides = str(config.get("overrides") or "")
+    overrides = as_typed(str(config.get("overrides") or ""), sys.argv)
     question = ["snakemake", overrides, *sorted(asked)]
     return planfile.save(planfile.remembered(question, lambda: _planned(overrides, asked)), results, say)
 
@@ -267,6 +267,18 @@ def wanted(cards: Mapping[str, Mapping[str, Any]], asked: Collection[str]) -> li
     if named and not others:
         return named
     return [name for name, card in cards.items() if name in asked or not card.get("apart", False)]
+
+
+def as_typed(overrides: str, typed: Sequence[str]) -> str:
+    """Return the words of `--config overrides=` as they were typed: Snakemake strips quotes, and comments of YAML.
+
+    Arguments
+    ---------
+    overrides : as Snakemake hands them on.
+    typed : words of the command line, which go before any file; where none of them is it, they stay as they are.
+    """
+    given = [word.removeprefix("overrides=") for word in typed if word.startswith("overrides=")]
+    return given[-1] if given and overrides else overrides
 
 
 def split_overrides(text: str) -> list[str]:
