@@ -9,7 +9,7 @@ from typing import Any
 import pytest
 
 from pipeline.kernel import tables
-from pipeline.published.answer import ANSWER, Choice, answered
+from pipeline.published.answer import ANSWER, Choice, answered, rounded
 from pipeline.published.artefacts import Lookup
 
 ONE, OTHER = "charge/p/cc_cv", "charge/p/cv_reflex"
@@ -41,9 +41,31 @@ def test_the_better_one_is_told_with_its_lead_and_how_sure_it_is(nominal: Lookup
     samples = ensemble(nominal, points((5.0, 4.0), (5.0, 4.5), (5.0, 4.95), (5.0, 3.0), (6.0, 1.0)))
     total, one = told({"rise": choice()}, nominal, samples)
     assert (one["best"], one["lead"], one["share"]) == ("other", 1.0, 0.8)
-    said = "Rise: other, 1 K ahead of one; by 0.1 K or more in 4 of 5 points of the estimates (28 to 99 %)"
-    assert said in one["sentence"]
-    assert (total["best"], total["sentence"]) == ("other", "Take other: 1 K better in rise.")
+    assert one["sentence"] == (
+        "Rise: one 5.000 K, other 4.000 K. Other leads by 1.00 K, and by 0.1 K or more at 4 of 5 points of the "
+        "estimated parameters (28 to 99 %)."
+    )
+    assert (total["best"], total["sentence"]) == ("other", "Best: other, by 1.00 K in rise.")
+
+
+@pytest.mark.parametrize(
+    ("value", "finest", "digits", "text"),
+    [
+        (449.8342527, None, 3, "450 s"),
+        (10164.7, 449.8, 4, "10165 s"),
+        (10164.7, 0.0372, 4, "10164.70 s"),
+        (5.1241, 0.0087, 4, "5.124 s"),
+        (0.0, None, 3, "0 s"),
+        (-0.04567, None, 3, "-0.0457 s"),
+        (math.inf, None, 3, "never"),
+    ],
+)
+def test_numbers_are_told_no_finer_than_they_differ(value: float, finest: float | None, digits: int, text: str) -> None:
+    assert rounded(value, "s", finest, digits) == text
+
+
+def test_differences_of_temperatures_are_kelvins(nominal: Lookup) -> None:
+    assert "leads by 1.00 K" in told({"rise": choice(unit="degC")}, nominal)[1]["sentence"]
 
 
 def test_what_is_larger_may_be_the_better_one(nominal: Lookup) -> None:
@@ -63,8 +85,9 @@ def test_what_is_larger_may_be_the_better_one(nominal: Lookup) -> None:
 def test_no_difference_that_is_sure_is_an_answer(nominal: Lookup, ensemble: Any, pairs: Any) -> None:
     total, one = told({"rise": choice()}, nominal, ensemble(nominal, points(*pairs)))
     assert one["best"] == total["best"] == ""
-    assert "Rise: no difference that is sure; other leads by 0.1 K or more in" in one["sentence"]
-    assert total["sentence"].startswith("It makes no difference that we could be sure of.")
+    assert "Other leads by 1.00 K, and by 0.1 K or more at" in one["sentence"]
+    assert one["sentence"].endswith("%): no clear difference.")
+    assert total["sentence"] == "No alternative is clearly better. No clear difference in rise."
 
 
 def test_a_lead_below_what_matters_is_none(nominal: Lookup) -> None:
@@ -81,7 +104,7 @@ def test_where_different_ones_are_better_it_depends(nominal: Lookup) -> None:
     total = told(choices, nominal)[0]
     assert total["best"] == ""
     assert total["sentence"] == (
-        "It depends on what counts: other for rise; one for warmth. No sure difference in: sameness."
+        "It depends on what counts: other for rise; one for warmth. No clear difference in sameness."
     )
 
 

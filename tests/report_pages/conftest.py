@@ -7,7 +7,7 @@ import pytest
 from pipeline.report.pages import PageContent, PageFigure, Paper
 from pipeline.report.tables import Parameter, ReportTable
 
-SVG = '<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 9 4"><title>a &amp; b</title></svg>'
+SVG = '<svg xmlns="http://www.w3.org/2000/svg" width="648pt" height="288pt" viewBox="0 0 648 288"></svg>'
 
 
 def verdict_columns(*verdicts: str) -> dict[str, list]:
@@ -49,7 +49,7 @@ def content() -> PageContent:
         subtitle="A question?",
         paper=Paper("Author (2015). Title.", "10.1000/example"),
         verdicts=verdict_columns("holds", "contradicted", "contradicted", "not checkable", "calibrated", "undecided"),
-        figures=[PageFigure("figure_11", "Figure 11", "Battery current", 'Current "in" A', SVG, b"\x89PNG")],
+        figures=[PageFigure("figure_11", "Figure 11", "Battery current", 'Current "in" A', (864, 384))],
         tables=[
             ReportTable(
                 "charges", "Charges", "", ("comparison", "quantity", "CC-CV"), (("Peak", "rise", 1.5),), grouped=True
@@ -62,4 +62,5 @@ def content() -> PageContent:
         ],
         command="snakemake solar_reflex",
         keys={"panel": "0123456789abcdef"},
+        place="a_study/default",
     )

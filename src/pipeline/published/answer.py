@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping, Sequence
 from typing import Any, Literal, NamedTuple
 
@@ -11,7 +12,6 @@ from pipeline.kernel.tables import Column, Table
 from pipeline.published.artefacts import Impossible, Lookup, Sample, Unanswerable
 from pipeline.published.operands import Operand, atoms, text
 from pipeline.published.predicates import number
-from pipeline.published.wording import plain
 from pipeline.published.words import ENOUGH, PARAMETERS, Robust
 from pipeline.record import Record
 
@@ -111,38 +111,60 @@ def _leads(choice: Choice, best: str, samples: Sequence[Sample]) -> Robust | Non
     return Robust(held, counted, left_out) if counted else None
 
 
+def rounded(value: float, unit: str, finest: float | None = None, digits: int = 3) -> str:
+    """Return a number for people with its unit, never in powers of ten; `never` where a time is infinite.
+
+    Arguments
+    ---------
+    finest : a difference that must not be lost; as far as its first digit is told.
+    digits : how many are told of the number itself, at least.
+    """
+    if math.isinf(value):
+        return "never" if unit == "s" and value > 0 else "without bound"
+    places = 0
+    for told, number_ in ((digits, value), (1, finest or 0.0)):
+        if number_ and math.isfinite(number_):
+            places = max(places, told - 1 - math.floor(math.log10(abs(number_))))
+    text = f"{value:.{places}f}"
+    return text if unit in ("1", "") else f"{text} {unit}"
+
+
+def _in(choice: Choice) -> str:
+    """Return the unit of differences: degrees of difference are kelvins."""
+    return "K" if choice.unit == "degC" else choice.unit
+
+
 def _sentence(choice: Choice, found: _Found) -> str:
-    listed = ", ".join(f"{name} {plain(value, choice.unit)}" for name, value in found.values.items())
+    values = found.values.items()
+    listed = ", ".join(f"{name} {rounded(value, choice.unit, found.lead, 4)}" for name, value in values)
+    leads = f"{_capital(found.best)} leads by {rounded(found.lead, _in(choice))}"
     points = ""
     if found.robust is not None:
         low, high = found.robust.interval()
-        robust = found.robust
-        points = f" by {plain(choice.by, choice.unit)} or more in {robust.held} of {robust.counted} points of the "
-        points += f"estimates ({100 * low:.0f} to {100 * high:.0f} %)"
-    if found.sure:
-        told = f"{found.best}, {plain(found.lead, choice.unit)} ahead of {found.next}" + (
-            f";{points}" if points else ""
+        matters = f"{choice.by:g} {_in(choice)}".removesuffix(" 1")
+        points = (
+            f", and by {matters} or more at {found.robust.held} of {found.robust.counted} points of the estimated "
+            f"parameters ({100 * low:.0f} to {100 * high:.0f} %)"
         )
-    else:
-        ahead = f"{found.best} leads{points}" if points else f"{found.best} leads by {plain(found.lead, choice.unit)}"
-        told = f"no difference that is sure; {ahead}"
-    return f"{_capital(choice.of)}: {told} ({listed})."
+    clear = "" if found.sure else ": no clear difference"
+    return f"{_capital(choice.of)}: {listed}. {leads}{points}{clear}."
 
 
 def _sum(choices: Mapping[str, Choice], found: Mapping[str, _Found]) -> tuple[str, str]:
     """Return the alternative that is nowhere surely outdone, and the sentence that sums up."""
     sure = {name: one.best for name, one in found.items() if one.sure}
     open_ = [choices[name].of for name in found if name not in sure]
-    rest = f" No sure difference in: {'; '.join(open_)}." if open_ else ""
+    rest = f" No clear difference in {' or '.join(open_)}." if open_ else ""
     if not sure:
-        return "", "It makes no difference that we could be sure of." + rest
+        return "", "No alternative is clearly better." + rest
     winners = list(dict.fromkeys(sure.values()))
     if len(winners) == 1:
-        told = "; ".join(f"{plain(found[name].lead, choices[name].unit)} better in {choices[name].of}" for name in sure)
-        return winners[0], f"Take {winners[0]}: {told}.{rest}"
+        told = " and ".join(
+            f"by {rounded(found[name].lead, _in(choices[name]))} in {choices[name].of}" for name in sure
+        )
+        return winners[0], f"Best: {winners[0]}, {told}.{rest}"
     of = {who: " and ".join(choices[name].of for name, one in sure.items() if one == who) for who in winners}
-    each = (f"{who} for {what}" for who, what in of.items())
-    return "", f"It depends on what counts: {'; '.join(each)}.{rest}"
+    return "", f"It depends on what counts: {'; '.join(f'{who} for {what}' for who, what in of.items())}.{rest}"
 
 
 def _capital(words: str) -> str:

@@ -1,46 +1,68 @@
-"""The report's page: one HTML file that needs nothing beside it."""
+"""The page of a run: HTML with its style and scripts in it; figures and traces are files beside it."""
 
 from __future__ import annotations
 
-import base64
 import re
+from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from itertools import groupby
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 from pipeline.published.words import BASES, WORDS, counted
-from pipeline.report.tables import Cell, Parameter, ReportTable, plain
+from pipeline.report import text
+from pipeline.report.claims import Claim, Rests, claims, count_bar, matrix
+from pipeline.report.tables import Cell, Parameter, ReportTable
+from pipeline.report.traces import MOST_POINTS
 
 TEMPLATES = Path(__file__).with_name("templates")
 LARGEST_SVG = 500_000
-"""Size in bytes above which a figure goes into the page as PNG; the SVG stays beside it."""
+"""Size in bytes above which the page shows a figure as PNG; the SVG stays beside it."""
+FOLDED = 14
+"""Rows above which a table is folded until somebody wants it."""
+TRACES = "traces.js"
+"""The script of the curves over time, beside the page."""
+ON_TOP = ("calibrated", "fitted")
+"""Sources of parameters that the page shows first."""
+_POINTS_PER_PIXEL = 0.75
 
 
 @dataclass(frozen=True)
 class Paper:
-    """The paper a study follows."""
+    """The paper a study follows; `captions` are its own, by `Figure 11` or `Table 2`."""
 
     citation: str
     doi: str = ""
+    captions: Mapping[str, str] = field(default_factory=dict)
 
 
 @dataclass(frozen=True)
 class PageFigure:
-    """A figure; `name` is its file name, `paper` its number there, `png` the bytes to show where the SVG is heavy.
+    """A figure; `name` is its file name, `paper` its number there, `heavy` whether the PNG is to be shown.
 
-    `draws` is the name of the module that draws it, `options` what was chosen there.
+    `size` are width and height in pixels, `draws` is the name of the module that draws it, `options` what was chosen
+    there.
     """
 
     name: str
     paper: str
     title: str
     caption: str
-    svg: str
-    png: bytes = b""
+    size: tuple[int, int] = (864, 432)
+    heavy: bool = False
     draws: str = ""
     options: Mapping[str, Any] = field(default_factory=dict)
+
+    @property
+    def file(self) -> str:
+        """Return the file that the page shows, from beside it."""
+        return f"figures/{self.name}.{'png' if self.heavy else 'svg'}"
+
+    @property
+    def heading(self) -> str:
+        """Return its number in the paper and its title."""
+        return f"{self.paper} {self.title}" if self.paper else self.title
 
 
 @dataclass(frozen=True)
@@ -63,12 +85,20 @@ class PageContent:
     title, subtitle : the study and what it asks.
     paper : the paper it follows.
     verdicts : columns of the table of verdicts.
-    figures, tables : in the order in which they are shown; tables with a number of the paper come first.
+    figures, tables : in the order in which they are shown; those with a number of the paper come first.
     parameters : every parameter with its source.
     command : what to type to make all of it again.
     keys : artefact -> key.
     sections : what has a section of its own.
     answer : what the study recommends, in sentences; the page begins with it.
+    place : folder of the run below `reports/`, and below `results/`.
+    hero : name of the figure that shows the answer.
+    rests : statement -> what its answer rests on.
+    owners : table -> the experiment that shows it.
+    traces : how many curves over time lie beside the page.
+    seed : root of the random streams.
+    notes : what else there is to say of this run.
+    names : words of identifiers -> how people write them; the modes.
     """
 
     title: str
@@ -82,10 +112,148 @@ class PageContent:
     keys: Mapping[str, str]
     sections: Sequence[PageSection] = ()
     answer: Sequence[str] = ()
+    place: str = ""
+    hero: str = ""
+    rests: Mapping[str, Rests] = field(default_factory=dict)
+    owners: Mapping[str, str] = field(default_factory=dict)
+    traces: int = 0
+    seed: int | None = None
+    notes: Sequence[str] = ()
+    names: Mapping[str, str] = field(default_factory=dict)
+
+    def every_figure(self) -> list[PageFigure]:
+        """Return the figures in the order of the page."""
+        return [*self.figures, *(figure for one in self.sections for figure in one.figures)]
+
+    def every_table(self) -> list[ReportTable]:
+        """Return the tables in the order of the page."""
+        return [*self.tables, *(table for one in self.sections for table in one.tables)]
+
+    def shown_first(self) -> PageFigure | None:
+        """Return the figure that shows the answer: the one asked for, else the first."""
+        found = self.every_figure()
+        return next((figure for figure in found if figure.name == self.hero), next(iter(found), None))
+
+
+class TableView(NamedTuple):
+    """A table as it is printed: header, whether each column holds numbers, and rows of texts by group."""
+
+    header: list[str]
+    numeric: list[bool]
+    groups: list[tuple[str, list[tuple[str, ...]]]]
+    rows: int
 
 
 def render(content: PageContent) -> str:
     """Return the page as HTML; the same content gives the same bytes."""
+    figures = {one.name: (one.paper, one.title) for one in content.every_figure()}
+    tables = [(content.owners.get(table.name, ""), table) for table in content.every_table()]
+    found = claims(content.verdicts, content.rests, figures, tables, content.names)
+    counts = counted(content.verdicts)
+    on_top = [one for one in content.parameters if one.kind in ON_TOP]
+    page = _environment().get_template("index.html.j2")
+    html: str = page.render(
+        content=content,
+        claims=found,
+        matrix=matrix(found),
+        counts=counts | {"all": Counter(str(word) for word in content.verdicts["verdict"])},
+        bar=count_bar(counts["statements"]),
+        close_calls=sum(bool(one.close) for claim in found for one in claim.verdicts),
+        published=[table for table in content.tables if table.paper],
+        tables=[table for table in content.tables if not table.paper],
+        not_drawn=_not_drawn(content),
+        hero=content.shown_first(),
+        on_top=on_top,
+        groups=_by_part(content.parameters),
+    )
+    return html
+
+
+def front(reports: Sequence[Mapping[str, Any]]) -> str:
+    """Return the page that leads to all others.
+
+    Arguments
+    ---------
+    reports : what `card` returned for each, with its `place` below `reports/`; those of the studies' own come first.
+    """
+    wanted = (("Studies", True), ("Other runs", False))
+    groups = [(title, [one for one in reports if _is_study(one) is own]) for title, own in wanted]
+    places = [one["place"] for one in reports]
+    shown = [(title, found) for title, found in groups if found]
+    return str(_environment().get_template("front.html.j2").render(groups=shown, places=places))
+
+
+def card(content: PageContent, departs: Sequence[str] = ()) -> dict[str, Any]:
+    """Return what the front page shows of a run.
+
+    Arguments
+    ---------
+    departs : the words that make it another run than the study's own.
+    """
+    hero = content.shown_first()
+    counts = counted(content.verdicts)
+    first = next((one.text for one in content.sections), "")
+    return {
+        "title": content.title,
+        "question": content.subtitle,
+        "answer": content.answer[0] if content.answer else first,
+        "counts": counts["statements"],
+        "arithmetic": counts["arithmetic"],
+        "picture": None if hero is None else {"file": hero.file, "size": hero.size, "text": hero.heading},
+        "departs": list(departs),
+    }
+
+
+def view(table: ReportTable) -> TableView:
+    """Return a table as it is printed: names as words, decimal points in one line, grouped rows under a heading."""
+    with_unit = "unit" not in table.header
+    texts = [
+        text.column(cells) if numeric else [text.label(cell, with_unit) for cell in cells]
+        for cells, numeric in zip(zip(*table.rows, strict=True), table.numeric(), strict=False)
+    ]
+    texts = [[text.symbols(cell) for cell in cells] for cells in texts]
+    rows = list(zip(*texts, strict=True))
+    header, numeric = [text.symbols(text.label(name)) for name in table.header], table.numeric()
+    if table.header and "unit" in table.header:
+        place = table.header.index("unit")
+        rows = [tuple("" if at == place and cell == "1" else cell for at, cell in enumerate(row)) for row in rows]
+    if not table.grouped:
+        return TableView(header, numeric, [("", rows)], len(rows))
+    groups = [(name, [row[1:] for row in own]) for name, own in groupby(rows, lambda row: row[0])]
+    return TableView(header[1:], numeric[1:], groups, len(rows))
+
+
+def size_of(svg: str) -> tuple[int, int]:
+    """Return width and height of a drawing in pixels, as its head gives them; a usual size where it does not."""
+    found = [re.search(rf'<svg[^>]*\b{side}="([\d.]+)(pt)?"', svg) for side in ("width", "height")]
+    if not all(found):
+        return (864, 432)
+    width, height = (float(one[1]) / (_POINTS_PER_PIXEL if one[2] else 1.0) for one in found if one)
+    return (round(width), round(height))
+
+
+def _is_study(report: Mapping[str, Any]) -> bool:
+    return not report["departs"] and bool(report["counts"])
+
+
+def _by_part(parameters: Sequence[Parameter]) -> list[tuple[str, list[Parameter]]]:
+    found: dict[str, list[Parameter]] = {}
+    for one in parameters:
+        found.setdefault(one.key.split(".")[0], []).append(one)
+    return list(found.items())
+
+
+def _not_drawn(content: PageContent) -> list[tuple[str, str]]:
+    """Return the figures of the paper that the page does not draw, with their captions, where these are known."""
+    drawn = {figure.paper for figure in content.every_figure()}
+    return [
+        (number, told)
+        for number, told in content.paper.captions.items()
+        if number.startswith("Figure") and number not in drawn
+    ]
+
+
+def _environment() -> Any:
     from jinja2 import Environment, FileSystemLoader, StrictUndefined  # not wanted where only names are
 
     environment = Environment(
@@ -96,81 +264,23 @@ def render(content: PageContent) -> str:
         undefined=StrictUndefined,
     )
     environment.filters |= {
-        "number": number,
-        "unit": unit,
-        "share": share,
-        "image": image,
-        "words": words,
-        "prose": prose,
+        "number": text.number,
+        "unit": text.unit,
+        "share": text.share,
+        "words": text.words,
+        "prose": text.prose,
+        "view": view,
+        "slug": lambda word: str(word).replace(" ", "-"),
+        "bar": count_bar,
     }
-    environment.globals |= {"meanings": WORDS, "bases": BASES}
-    rows = _verdict_rows(content.verdicts)
-    return environment.get_template("index.html.j2").render(
-        content=content,
-        verdicts=rows,
-        counts=counted(content.verdicts),
-        robust=any(row["robust_share"] is not None for row in rows),
-        published=[table for table in content.tables if table.paper],
-        tables=[table for table in content.tables if not table.paper],
-        groups=table_groups,
-        sections=[
-            (name, list(found)) for name, found in groupby(content.parameters, lambda one: one.key.split(".")[0])
-        ],
-    )
+    environment.globals |= {
+        "meanings": WORDS,
+        "bases": BASES,
+        "folded": FOLDED,
+        "traces_file": TRACES,
+        "most_points": MOST_POINTS,
+    }
+    return environment
 
 
-def table_groups(table: ReportTable) -> list[tuple[Cell, list[tuple[Cell, ...]]]]:
-    """Return the rows of a table by their first cell where it is grouped, else all under an empty one."""
-    if not table.grouped:
-        return [("", list(table.rows))]
-    return [(name, [row[1:] for row in rows]) for name, rows in groupby(table.rows, lambda row: row[0])]
-
-
-def number(value: Any, digits: int = 5) -> str:
-    """Return a cell for people: numbers to a few digits with a true minus sign, nothing as a dash."""
-    cell = plain(value)
-    if cell is None or cell == "":
-        return "–"
-    if isinstance(cell, str):
-        return cell
-    text = f"{cell:d}" if isinstance(cell, int) else f"{cell:.0f}" if 1e5 <= abs(cell) < 1e9 else f"{cell:.{digits}g}"
-    return text.replace("-", "−")
-
-
-def unit(symbol: str) -> str:
-    """Return a unit as it is printed; a pure number has none."""
-    return "" if symbol == "1" else _symbols(symbol)
-
-
-def prose(text: str) -> str:
-    """Return a sentence with its units as they are printed."""
-    return _symbols(text).replace(" +- ", " ± ")
-
-
-def _symbols(text: str) -> str:
-    text = re.sub(r"\bdegC\b", "°C", re.sub(r"\bohm\b", "Ω", text))
-    return re.sub(r"\b(m|mW|C-rate)([23])\b", lambda found: found[1] + {"2": "²", "3": "³"}[found[2]], text)
-
-
-def share(value: Any) -> str:
-    """Return a share as a percentage."""
-    cell = plain(value)
-    return f"{100 * float(cell):.0f} %" if cell is not None else "–"
-
-
-def words(name: str) -> str:
-    """Return an identifier as words."""
-    return name.replace("_", " ")
-
-
-def image(figure: PageFigure) -> str:
-    """Return a figure as a data URI: the SVG, or the PNG where the SVG is heavy."""
-    data = figure.svg.encode()
-    if figure.png and len(data) > LARGEST_SVG:
-        return "data:image/png;base64," + base64.b64encode(figure.png).decode()
-    return "data:image/svg+xml;base64," + base64.b64encode(data).decode()
-
-
-def _verdict_rows(columns: Mapping[str, Sequence[Any]]) -> list[dict[str, Cell]]:
-    rows = zip(*columns.values(), strict=True)
-    return [dict(zip(columns, map(plain, row), strict=True)) for row in rows]
+__all__ = ["Cell", "Claim", "PageContent", "PageFigure", "PageSection", "Paper", "card", "front", "render", "view"]

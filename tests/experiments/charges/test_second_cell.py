@@ -13,8 +13,8 @@ from pipeline.report.pages import PageContent, PageFigure, PageSection, render
 from pipeline.report.tables import ReportData
 from tests import making
 from tests.experiments.charges.test_page import run, write_run
-from tests.report_pages.conftest import SVG, content, verdict_columns
-from tests.report_pages.test_pages import Page
+from tests.report_pages.conftest import content, verdict_columns
+from tests.report_pages.test_pages import Page, main_parts
 
 __all__ = ["content", "run"]
 
@@ -58,12 +58,12 @@ def test_its_charges_read_as_the_firsts_and_nothing_else_does(both: ReportData):
 
 
 def test_the_page_has_a_section_of_its_own(content: PageContent, both: ReportData):
-    figure = PageFigure("two_cells", "", "Both", "Both batteries", SVG)
+    figure = PageFigure("two_cells", "", "Both", "Both batteries")
     section = PageSection("second-cell", "Where <it> differs", "One.", [second_cell.side_by_side(both)], [figure])
     page = Page(render(replace(content, sections=[section])))
-    order = [name for name in page.attributes("id") if not name.startswith("statement-")]
+    order = main_parts(page)
     place = order.index("second-cell")
-    assert order[place : place + 4] == ["second-cell", "second_charges", "two_cells", "in-numbers"]
+    assert order[place : place + 4] == ["second-cell", "two_cells", "table-second_charges", "in-numbers"]
     assert "#second-cell" in page.attributes("href")
     assert "Where <it> differs" in page.text
 
@@ -75,7 +75,7 @@ def test_the_section_lists_what_differs_and_the_figure_of_both(both: ReportData,
     output.write("verdicts", first)
     output.write("second", second)
     data = replace(both, inputs=making.inputs({**both.inputs, "verdicts": tmp_path / "verdicts"}))
-    figures = [PageFigure(name, "", name, name, SVG, draws=name) for name in ("two_cells", "energy")]
+    figures = [PageFigure(name, "", name, name, draws=name) for name in ("two_cells", "energy")]
     (section,) = charges_page.sections(data, figures)
     assert [table.name for table in section.tables] == ["second_differs", "second_charges"]
     assert [figure.name for figure in section.figures] == ["two_cells"]

@@ -155,7 +155,7 @@ def test_the_clock(seconds, text):
 
 def test_the_section_has_the_figures_and_is_left_out_without_days(days, whole):
     assert page.sections(whole, []) == []
-    (found,) = page.sections(days, [PageFigure("days_energy", "", "t", "c", "<svg/>")])
+    (found,) = page.sections(days, [PageFigure("days_energy", "", "t", "c")])
     assert found.title == "From sun to battery: a day"
     assert [table.name for table in found.tables] == ["days", "day_switchings", "day_files", "day_gaps"]
     assert [figure.name for figure in found.figures] == ["days_energy"]

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import csv
+import json
 from pathlib import Path
 from typing import Any
 
@@ -11,7 +12,7 @@ import pytest
 from pipeline.experiments.reporting import page, verdicts
 from pipeline.quantity import Quantity
 from tests import making
-from tests.report_pages.test_pages import Page
+from tests.report_pages.test_pages import Page, main_parts
 
 CARD = {"name": "one", "module": "pipeline.experiments.none.figures.one", "paper": "", "title": "One", "caption": "One"}
 STATEMENT = {
@@ -37,6 +38,11 @@ def settings(**changed: Any) -> dict[str, Any]:
         "settings": {},
         "modes": [],
         "comparisons": [],
+        "captions": {},
+        "rests": {"fast": {"artefacts": ["search"], "file": "conf/published/a.yaml", "key": "fast"}},
+        "place": "a_study/seed=1",
+        "hero": "one",
+        "seed": 1,
     } | changed
 
 
@@ -64,8 +70,11 @@ def test_a_page_without_any_experiment_shows_verdicts_figures_and_parameters(
 ) -> None:
     page.run(settings(), making.inputs(judged), making.output("page", tmp_path / "page"))
     shown = Page((tmp_path / "page" / "index.html").read_text(encoding="utf-8"))
-    order = [name for name in shown.attributes("id") if not name.startswith("statement-")]
-    assert order == ["verdicts", "figures", "one", "parameters", "reproduce"]
+    assert main_parts(shown) == ["matrix", "verdicts", "figures", "one", "parameters", "parameters-a", "reproduce"]
+    card = json.loads((tmp_path / "page" / "card.json").read_text(encoding="utf-8"))
+    assert (card["counts"], card["departs"]) == ([["holds", 1]], ["seed=1"])
+    assert card["picture"]["file"] == "figures/one.svg"
+    assert not (tmp_path / "page" / "traces.js").exists()
     assert "departs from the study by seed=1" in " ".join(shown.text)
     tables = tmp_path / "page" / "tables"
     assert {path.name for path in tables.iterdir()} == {"verdicts.csv", "parameters.csv"}

@@ -136,7 +136,7 @@ def test_the_text_says_who_is_caught(supplied):
 
 def test_sections_follow_the_artefacts_and_have_their_figures(supplied, whole):
     assert page.sections(whole, []) == []
-    figures = [PageFigure(name, "", name, name, "<svg/>", draws=name) for name in NAMES]
+    figures = [PageFigure(name, "", name, name, draws=name) for name in NAMES]
     found = page.sections(supplied, figures)
     assert [section.name for section in found] == ["trackers-tried", "converters-by-load"]
     assert [[figure.name for figure in section.figures] for section in found] == [list(NAMES[:3]), [NAMES[3]]]

@@ -2,18 +2,51 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 
 from pipeline.experiments.charges import second_cell
 from pipeline.report.pages import PageFigure, PageSection
 from pipeline.report.tables import JOULES_PER_WATT_HOUR, Cell, Columns, ReportData, ReportTable, plain
+from pipeline.report.traces import Trace
 
 LABELS = ("cells", "scaled")
+_TRACED = {
+    "Voltage [V]": ("Voltage / V", 1.0),
+    "Current [A]": ("Current / A", 1.0),
+    "Temperature [°C]": ("Surface Temperature / degC", 1.0),
+    "State of charge [%]": ("soc", 100.0),
+    "Charge put in [Ah]": ("Charging Capacity / Ah", 1.0),
+    "Energy put in [Wh]": ("Charging Energy / Wh", 1.0),
+    "Side reaction [A]": ("side_current_a", 1.0),
+}
 
 
 def tables(data: ReportData) -> list[ReportTable]:
     """Return the tables of the charges; none where nothing is charged."""
     return [charges(data), energy(data)] if data.inputs.of_kind("charge") else []
+
+
+def traces(data: ReportData) -> list[Trace]:
+    """Return the curves of every charge for the explorer, those of a second battery behind the first's."""
+    found = [*_traces(data, "", "")]
+    if len(data.cells) > 1:
+        found += _traces(data.second(), "second/", f", {data.cells[1]}")
+    return found
+
+
+def _traces(data: ReportData, prefix: str, of_battery: str) -> Iterator[Trace]:
+    for comparison in data.shown(None):
+        for mode in data.charged(comparison):
+            trace = data.charge(comparison, mode, "trace")
+            quantities = {name: factor * trace[column] for name, (column, factor) in _TRACED.items()}
+            yield Trace(
+                f"{prefix}{comparison}/{mode}",
+                data.modes[mode].title,
+                f"{data.comparisons[comparison]}{of_battery}",
+                list(data.modes).index(mode),
+                trace["Test Time / s"],
+                quantities,
+            )
 
 
 def notes(data: ReportData) -> list[str]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import shlex
 from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from importlib import import_module
 from typing import Any
@@ -9,6 +10,7 @@ from typing import Any
 from pydantic import Field
 
 from pipeline.config.compose import options
+from pipeline.config.planning import run_name
 from pipeline.config.units import unit_of
 from pipeline.errors import UserError, best_matches
 from pipeline.experiments.reporting.verdicts import SECOND, answered_by_charges, of_second
@@ -35,6 +37,10 @@ class ReportingPart(Record):
     figures: dict[str, FigureCard] = Field(default_factory=dict)
     published: dict[str, Statement] = Field(default_factory=dict)
     answer: dict[str, Choice] = Field(default_factory=dict, description="in what the study's alternatives are compared")
+    hero: str = Field(default="", description="figure that shows the answer; the first of the page without")
+    captions: dict[str, str] = Field(
+        default_factory=dict, description="the paper's own captions, by `Figure 11` or `Table 2`"
+    )
 
 
 def _judged(config: Any, calibrated: Any, second_calibrated: Any) -> dict[str, Any]:
@@ -57,9 +63,16 @@ def _told(
     labels: list[str],
     units: Mapping[str, str],
     made: Collection[str],
+    rests: Mapping[str, Any],
+    place: str,
     **_: Any,
 ) -> dict[str, Any]:
     return {
+        "place": place,
+        "rests": rests,
+        "hero": config.hero,
+        "captions": dict(config.captions),
+        "seed": config.seed,
         "study": config.study,
         "battery": config.battery.title,
         "figures": named({name: config.figures[name] for name in figures}),
@@ -104,7 +117,7 @@ TOLD = Step(
     settings=_told,
     # Titles of the battery and the modes, and what labels read, are among the parameters.
     reads=(
-        *("study", "overrides", "configuration", "run", "comparisons.{comparisons}.title"),
+        *("study", "overrides", "configuration", "run", "comparisons.{comparisons}.title", "hero", "captions", "seed"),
         *("figures.{figures}", "{parameters}"),
     ),
     takes=(EVERYTHING, "verdicts", "figures"),
@@ -128,6 +141,8 @@ def check(study: Any) -> None:
     fields = [one.fields(study) for one in registry.experiments().values()]
     words = {str(word) for steps in fields for named in steps.values() for listed in named.values() for word in listed}
     known = {word for word in words if word.isidentifier()} | set(options("modes")) | set(study.modes)
+    if study.hero and study.hero not in study.figures and any(one.startswith("hero=") for one in study.overrides):
+        raise UserError(f"hero: no figure {study.hero!r} in this run; {best_matches(study.hero, study.figures)}")
     for name, card in study.figures.items():
         path = f"figures.{name}"
         if card.comparison is not None and card.comparison not in study.comparisons:
@@ -209,10 +224,13 @@ def _page(study: Any, made: Sequence[Draft], found: Sequence[Node]) -> Node:
     owners = {registry.owners()[step] for step in steps}
     pages = {name: module for name, module in registry.pages().items() if name in owners}
     labels = list(dict.fromkeys(label for module in pages.values() for label in import_module(module).LABELS))
+    drawn = [node for node in found if node.step is DRAWN]
     shown = {name for name, step in registry.steps().items() if step.shown}
     inputs = [node.name for node in made if node.step in shown] + [node.name for node in found]
     which = {
-        "figures": [node.label for node in found if node.step is DRAWN],
+        "figures": [node.label for node in drawn],
+        "place": f"{study.study.name}/{run_name(study.overrides)}",
+        "rests": _rests(study, made, drawn),
         "made": sorted(steps),
         "pages": list(pages.values()),
         "labels": labels,
@@ -223,6 +241,58 @@ def _page(study: Any, made: Sequence[Draft], found: Sequence[Node]) -> Node:
     edges = {name: name for name in inputs}
     modules = tuple(pages.values())
     return Node(TOLD, "page", study.study.name, which, edges, {"*": ""}, room="reports", modules=modules)
+
+
+def _rests(study: Any, made: Sequence[Draft], drawn: Sequence[Node]) -> dict[str, Any]:
+    """Return for each statement what its answer rests on, as a page tells it."""
+    by_name = {node.name: node for node in made}
+    owners, file = registry.owners(), _published_in(study)
+    found = {}
+    for name, stated in study.published.items():
+        asked = sorted(needs(stated))
+        own = [by_name[one] for one in asked if one in by_name]
+        reads = reads_behind(by_name, (node.name for node in own))
+        behind = [path for path in study.sources if below(path, reads)]
+        found[name] = {
+            "artefacts": asked,
+            "figures": [node.label for node in drawn if not set(node.inputs).isdisjoint(asked)],
+            "owners": sorted({owners[node.step] for node in own}),
+            "parameters": list(dict.fromkeys(path.split(".")[0] for path in behind)),
+            "fitted": [path for path in behind if study.sources[path].kind in ("calibrated", "fitted")],
+            "file": file,
+            "key": name if file.startswith("conf/published") else f"published.{name}",
+            "command": _again(study, own),
+        }
+    return found
+
+
+def _published_in(study: Any) -> str:
+    """Return the file in which a study's statements are written."""
+    name = study.study.name
+    return f"conf/published/{name}.yaml" if name in options("published") else f"conf/study/{name}.yaml"
+
+
+_FEW = 3
+
+
+def _again(study: Any, own: Sequence[Draft]) -> str:
+    """Return the command that computes some nodes again and compares; the verdicts where a statement needs none."""
+    steps = registry.steps()
+    rules = sorted({steps[node.step].rule for node in own}) or [JUDGED.rule]
+    view = f"results/{study.study.name}/{run_name(study.overrides)}"
+    places = [f"{view}/{_usual(node)}" for node in own if node.shown and node.room == "results"]
+    targets = {steps[node.step].target for node in own} - {None}
+    words = places if 0 < len(places) <= _FEW else sorted(map(str, targets)) or [f"{view}/published/verdicts.parquet"]
+    composed = " ".join([f"study={study.study.name}", *map(shlex.quote, study.overrides)])
+    chosen = f"--config overrides={shlex.quote(composed)}"
+    return f"snakemake --cores 2 {' '.join(map(shlex.quote, words))} {chosen} --forcerun {' '.join(rules)}"
+
+
+def _usual(node: Draft) -> str:
+    """Return the place of the table that a statement means where it names none; else that of the first."""
+    step = registry.steps()[node.step]
+    file = "" if step.usual_table is None else step.tables[step.usual_table].file
+    return node.shown.get(file, next(iter(node.shown.values())))
 
 
 def _unused(steps: Iterable[str]) -> list[str]:

@@ -7,8 +7,9 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 
 from pipeline.experiments.tracking.figures._titles import titles
-from pipeline.report.pages import PageFigure, PageSection, prose
+from pipeline.report.pages import PageFigure, PageSection
 from pipeline.report.tables import Cell, ReportData, ReportTable, plain, sentence
+from pipeline.report.text import prose
 
 LABELS = ("tracking",)
 _STEADY = (

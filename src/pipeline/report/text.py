@@ -1,0 +1,125 @@
+"""Numbers, units and names as a page prints them."""
+
+from __future__ import annotations
+
+import math
+import re
+from collections.abc import Sequence
+from typing import Any
+
+from pipeline.report.tables import Cell, plain
+
+DIGITS = 4
+"""Significant digits of a number on the page; the CSV files have more."""
+ROUNDING = 1e-11
+"""Share of the largest number of a column below which another is what rounding left over."""
+NOTHING = "–"
+_EXPONENT = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
+_FIGURE_SPACE, _POINT_SPACE = " ", " "
+_NAME = re.compile(r"[A-Za-z][A-Za-z0-9]*(?:_[A-Za-z0-9.]+)+")
+# Endings of names that repeat the unit -> the unit, longest first.
+_ENDINGS = {
+    "_k_per_min": "K/min", "_mw2_s": "mW² s", "_per_min": "1/min", "_w_m2": "W/m²", "_k_s": "K/s", "_v_k": "V/K",
+    "_nats": "nats", "_percent": "%", "_ohm": "Ω", "_c_rate": "C", "_wh": "Wh", "_ah": "Ah", "_hz": "Hz",
+    "_w2": "W²", "_mw": "mW", "_ms": "ms", "_us": "µs", "_s": "s", "_v": "V", "_a": "A", "_w": "W", "_k": "K",
+    "_c": "°C", "_j": "J", "_h": "h",
+}  # fmt: skip
+_WORDS = {
+    "soc": "SOC", "ise": "ISE", "mse": "MSE", "anfis": "ANFIS", "grnn": "GRNN", "cv": "CV", "cc": "CC", "dt": "dt",
+    "w": "W", "c1": "C1", "c2": "C2", "p": "p", "r": "r",
+}  # fmt: skip
+
+
+def number(value: Any, digits: int = DIGITS) -> str:
+    """Return a cell for people: numbers to a few digits with a true minus sign, nothing as a dash."""
+    cell = plain(value)
+    if cell is None or cell == "":
+        return NOTHING
+    if isinstance(cell, str):
+        return cell
+    if isinstance(cell, int) or cell == 0.0:
+        return _signed(f"{cell:.0f}")
+    size = math.floor(math.log10(abs(cell)) + 1e-12)
+    if -4 <= size < 9:
+        places = max(digits - 1 - size, 0)
+        text = f"{cell:.{places}f}"
+        return _signed(text.rstrip("0").rstrip(".") if "." in text else text)
+    mantissa, _, exponent = f"{cell:.{min(digits, 3) - 1}e}".partition("e")
+    return _signed(f"{mantissa.rstrip('0').rstrip('.')} × 10") + str(int(exponent)).translate(_EXPONENT)
+
+
+def _signed(text: str) -> str:
+    return "0" if text == "-0" else text.replace("-", "−")
+
+
+def column(cells: Sequence[Cell]) -> list[str]:
+    """Return the cells of a column of a table with their decimal points in one line.
+
+    A number that is nothing beside the largest of its column is what rounding left over, and is shown as about 0.
+    """
+    sizes = [abs(cell) for cell in cells if isinstance(cell, (int, float)) and math.isfinite(cell)]
+    floor = ROUNDING * max(sizes, default=0.0)
+    texts = [
+        "≈ 0" if isinstance(cell, float) and 0.0 < abs(cell) < floor else number(cell) for cell in map(plain, cells)
+    ]
+    numeric = [
+        isinstance(plain(cell), (int, float)) and "×" not in text for cell, text in zip(cells, texts, strict=True)
+    ]
+    tails = [len(text.partition(".")[2]) for text, aligned in zip(texts, numeric, strict=True) if aligned]
+    most = max(tails, default=0)
+    return [_padded(text, most) if aligned else text for text, aligned in zip(texts, numeric, strict=True)]
+
+
+def _padded(text: str, places: int) -> str:
+    whole, point, tail = text.partition(".")
+    if not places:
+        return text
+    return f"{whole}{point or _POINT_SPACE}{tail}{_FIGURE_SPACE * (places - len(tail))}"
+
+
+def unit(symbol: str) -> str:
+    """Return a unit as it is printed; a pure number has none."""
+    return "" if symbol == "1" else symbols(symbol)
+
+
+def prose(text: str) -> str:
+    """Return a sentence with its units as they are printed."""
+    return symbols(text).replace(" +- ", " ± ").replace("+-", "±")
+
+
+def symbols(text: str) -> str:
+    """Return a text with the signs of its units."""
+    text = re.sub(r"\bdegC\b", "°C", re.sub(r"\bohm\b", "Ω", text))
+    return re.sub(r"\b(m|mW|C-rate)([23])\b", lambda found: found[1] + {"2": "²", "3": "³"}[found[2]], text)
+
+
+def share(value: Any) -> str:
+    """Return a share as a percentage."""
+    cell = plain(value)
+    return f"{100 * float(cell):.0f} %" if cell is not None else NOTHING
+
+
+def words(name: str) -> str:
+    """Return an identifier as words."""
+    return " ".join(_WORDS.get(word, word) for word in name.split("_"))
+
+
+def label(cell: Any, with_unit: bool = True) -> str:
+    """Return the name of a quantity as words with its unit; any other text as it is.
+
+    Arguments
+    ---------
+    with_unit : whether the unit is to stand behind the words; not where another column has it.
+    """
+    text = number(cell)
+    if not isinstance(cell, str) or not _NAME.fullmatch(cell):
+        return text
+    for ending, symbol in _ENDINGS.items():
+        if cell.endswith(ending) and cell != ending:
+            told = words(cell.removesuffix(ending))
+            return _capital(f"{told} [{symbol}]" if with_unit else told)
+    return _capital(words(cell))
+
+
+def _capital(text: str) -> str:
+    return text[:1].upper() + text[1:]
