@@ -225,13 +225,13 @@ class Commands:
 
 
 def _hashes(folder: Path) -> dict[str, str]:
-    """Return the digests of what a run makes and shows, without the manifests, which tell of versions."""
+    """Return the digests of what a run makes and shows, without what tells of versions and times."""
     rooms = ("results/store", f"results/{STUDY}", f"reports/{STUDY}")
     return {
         path.relative_to(folder).as_posix(): digest.of_file(path)
         for room in rooms
         for path in (folder / room).rglob("*")
-        if path.is_file() and not path.name.startswith((".", "manifest"))
+        if path.is_file() and not path.name.startswith((".", "manifest", "run.js"))
     }
 
 

@@ -192,6 +192,7 @@ class Experiment:
     alone : study -> whether it has these nodes and no others.
     closing : (study, every other node) -> nodes that depend on what the others are.
     tells : module of the package whose `lines(run, results)` says at the end what a person should know.
+    announces : module of the package whose `published(run, manifest, results)` is called when a run was published.
     """
 
     title: str
@@ -211,3 +212,4 @@ class Experiment:
     alone: Callable[[Any], bool] = _never
     closing: Callable[[Any, Sequence[Draft]], Iterable[Node]] | None = None
     tells: str | None = None
+    announces: str | None = None

@@ -24,6 +24,7 @@ PUBLISH_SIZE = 32
 _CODE = "src/pipeline/"
 PYTHON = f"{sys.version_info.major}.{sys.version_info.minor}"
 """What of the interpreter's version is part of every key."""
+_BESIDE_FIGURES = ("index.html", "card.json", "traces.js")
 # What every step goes through: a table that is written otherwise is another artefact.
 _COMMON = ("pipeline.kernel.artefacts",)
 
@@ -114,10 +115,15 @@ def make(runs: Sequence[Run], asked: Collection[str] = ()) -> dict[str, Any]:
         "nodes": nodes,
         "chunks": chunks,
         "targets": targets,
-        "tells": sorted(
-            f"{registry.PACKAGE}.{name}.{one.tells}" for name, one in registry.experiments().items() if one.tells
-        ),
+        "tells": _named("tells"),
+        "announces": _named("announces"),
     }
+
+
+def _named(field_name: str) -> list[str]:
+    """Return the modules that experiments name in a field, by their dotted names."""
+    named = {name: getattr(one, field_name) for name, one in registry.experiments().items()}
+    return sorted(f"{registry.PACKAGE}.{name}.{module}" for name, module in named.items() if module)
 
 
 def step_files(step: str) -> dict[str, Path]:
@@ -192,7 +198,8 @@ def _shows(item: Mapping[str, Any], place: str) -> bool:
     """Tell whether an entry of a run's view stands for a place in it; `*` is all that a page is made of."""
     if item["file"] != "*":
         return bool(item["place"] == place)
-    return place == f"{item['place']}index.html" or place.startswith(f"{item['place']}tables/")
+    alone = {f"{item['place']}{file}" for file in _BESIDE_FIGURES}
+    return place in alone or place.startswith(f"{item['place']}tables/")
 
 
 def _jobs(

@@ -6,7 +6,7 @@ import json
 import platform
 import subprocess
 from collections.abc import Collection, Iterator, Mapping
-from importlib import metadata
+from importlib import import_module, metadata
 from pathlib import Path
 from typing import Any
 
@@ -45,6 +45,8 @@ def publish(plan: Mapping[str, Any], name: str, results: Path) -> None:
         else:
             manifest = publish_run(run, results, chunk["part"], chunk["steps"])
             shown = _read(results, manifest)["artefacts"]
+        for module in plan.get("announces", ()):
+            import_module(module).published(run, _read(results, manifest), results)
         place = manifest.relative_to(results.parent).as_posix()
         views[place] = receipts.view(_read(results, manifest), shown, whole=manifest.name != FILES)
     receipts.write(results, "publish", name, {}, views)

@@ -174,11 +174,12 @@ def front(reports: Sequence[Mapping[str, Any]]) -> str:
 
     Arguments
     ---------
-    reports : what `card` returned for each, with its `place` below `reports/`; those of the studies' own come first.
+    reports : what `card` returned for each, with its `place` below `reports/`, and under `run` whether the script that
+        tells of the run is there; the studies' own come first.
     """
     wanted = (("Studies", True), ("Other runs", False))
     groups = [(title, [one for one in reports if _is_study(one) is own]) for title, own in wanted]
-    places = [one["place"] for one in reports]
+    places = [one["place"] for one in reports if one["run"]]
     shown = [(title, found) for title, found in groups if found]
     return str(_environment().get_template("front.html.j2").render(groups=shown, places=places))
 

@@ -355,4 +355,5 @@ EXPERIMENT = Experiment(
     part=ReportingPart,
     checks=(check,),
     closing=closing,
+    announces="announce",
 )
