@@ -10,7 +10,7 @@ if TYPE_CHECKING:
 
 
 Point = tuple[float, float]
-INK, DIM, SIGNAL = "#222222", "#b8b8b8", "#885599"
+INK, DIM, SIGNAL = "#222222", "#a0a0a0", "#6e3b10"
 
 
 class Circuit:
@@ -52,8 +52,8 @@ class Circuit:
         element = getattr(elements, symbol)().at(place).anchor(anchor).color(self.colour_of(part)).right()
         self._drawing += (element.flip() if flip else element).linewidth(1.3).zorder(2)
 
-    def switch(self, name_of_part: str, part: str, start: Point, end: Point, closed: bool, name: str) -> None:
-        """Draw a switch, open or closed, with its name beside it."""
+    def switch(self, part: str, start: Point, end: Point, closed: bool, name: str) -> None:
+        """Draw a switch, open or closed, with its name or what it does beside it."""
         if closed:
             centre = ((start[0] + end[0]) / 2, (start[1] + end[1]) / 2)
             self.part("Line", part, start, end)
@@ -67,8 +67,7 @@ class Circuit:
             self.part("Switch", part, start, end)
         level = start[1] == end[1]
         place = ((start[0] + end[0]) / 2, start[1] - 0.55) if level else (start[0] + 0.75, (start[1] + end[1]) / 2)
-        state = "" if name_of_part == "s1" or not (self._lit or self._dim) else (" on" if closed else " off")
-        self.text(place, name + state, "center" if level else "left", self.colour_of(part))
+        self.text(place, name, "center" if level else "left", self.colour_of(part))
 
     def text(self, place: Point, words: str, side: str = "center", colour: str = INK) -> None:
         """Write words at a place."""
@@ -100,12 +99,12 @@ class Circuit:
         """Draw an arrow, round one corner where `ends_at` is given."""
         from matplotlib.patches import FancyArrowPatch
 
-        colour = SIGNAL if part == "signal" else INK
+        colour, line = (SIGNAL, (0, (5, 2))) if part == "signal" else (INK, "-")
         if ends_at is not None:
-            self._axes.plot(*zip(start, end, strict=True), color=colour, linewidth=1.3, zorder=2)
+            self._axes.plot(*zip(start, end, strict=True), color=colour, linestyle=line, linewidth=1.3, zorder=2)
         tip = FancyArrowPatch(
             end if ends_at is not None else start, ends_at or end, arrowstyle="-|>", mutation_scale=11, color=colour,
-            linewidth=1.3, shrinkA=0, shrinkB=0, zorder=2,
+            linewidth=1.3, linestyle=line, shrinkA=0, shrinkB=0, zorder=2,
         )  # fmt: skip
         self._axes.add_patch(tip)
         middle = ((start[0] + end[0]) / 2, (start[1] + end[1]) / 2)

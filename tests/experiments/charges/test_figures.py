@@ -12,9 +12,19 @@ from pipeline.kernel import registry
 from pipeline.report import style
 from pipeline.report.records import FigureCard
 from pipeline.report.tables import ReportData
+from tests import making
+from tests.experiments.charges.artefacts import MODES, charge
 from tests.experiments.drawing import CONF, cards, drawn, saved
 
-UNIT = re.compile(r"\[(A|V|W|mW|µJ|Wh|F|Hz|%|h|s|ms|W/m²/s|°C|1|nat|nat per step|mW² s)\]")
+UNIT = re.compile(
+    r"\[(A|V|W|mW|mΩ|mV/K|µJ|Wh|F|Hz|%|% of the input|h|min|s|ms|W/m²/s|°C|K|"
+    r"nat|nat per step|mW² s|percentage points)\]"
+)
+COUNTED = re.compile(
+    "(Parameter r|Values? (of the map|at r = 4)|Step|Density|Iterations?|C1|C2|W|Mean ISE|Rank|Mean rank|Searches|"
+    "Chance|Table 2 as printed)"
+)
+"""What has no unit: numbers and ratios."""
 DIAGRAMS = {"algorithm", "circuit"}
 
 
@@ -28,10 +38,14 @@ def units_stand_on_the_axes(name, card, found) -> None:
     if card.draw in DIAGRAMS:
         assert len(fields[0].texts) > 5, name
         return
-    assert any(UNIT.search(axes.get_xlabel()) for axes in fields), name
+    across = [axes.get_xlabel() for axes in fields]
     vertical = [axes.get_ylabel() for axes in fields] + [found.get_supylabel()]
     named = [label.get_text() for axes in fields for label in axes.get_yticklabels()]  # bars bear names instead
-    assert any(UNIT.search(label) for label in vertical) or any(re.search("[A-Za-z]", text) for text in named), name
+    assert any(across), name
+    assert any(vertical) or any(re.search("[A-Za-z]", text) for text in named), name
+    for label in (*across, *vertical):
+        is_mode = label.split("\n")[0] in {"CC-CV", "CV-pulse", "CV-Reflex"}
+        assert not label or is_mode or UNIT.search(label) or COUNTED.match(label), label
 
 
 def test_axes_stand_on_rounded_places_whatever_the_layout_solver_left(tmp_path):
@@ -70,15 +84,53 @@ def card_of(name):
     return lambda **more: FigureCard(draw=name, title="t", caption="c", options=more)
 
 
+def lines_of(axes):
+    return [line for line in axes.get_lines() if len(line.get_xdata()) > 2 and line.get_linestyle() != "None"]
+
+
 def test_the_lines_are_the_traces(whole):
     found = drawn(card_of("over_time")(quantity="soc"), whole)
     for axes, comparison in zip(found.get_axes(), whole.comparisons, strict=True):
-        lines = [line for line in axes.get_lines() if len(line.get_xdata()) > 2]
-        assert len(lines) == len(whole.modes)
-        for line, mode in zip(lines, whole.modes, strict=True):
+        for line, mode in zip(lines_of(axes), whole.modes, strict=True):
             trace = whole.charge(comparison, mode, "trace")
             np.testing.assert_allclose(line.get_ydata(), 100 * trace["soc"])
             np.testing.assert_allclose(line.get_xdata(), trace["Test Time / s"] / 3600)
+
+
+@pytest.mark.parametrize(("quantity", "unit"), [("soc", "percentage points"), ("temperature", "K"), ("voltage", "V")])
+def test_where_the_curves_of_a_later_comparison_coincide_the_lines_are_their_differences(whole, quantity, unit):
+    first, second = whole.comparisons
+    names = {f"charge/{first}/{mode}": f"charge/{first}/{mode}" for mode in whole.modes}
+    names |= {f"charge/{second}/{mode}": f"charge/{second}/cc_cv" for mode in whole.modes}
+    alike = ReportData(whole.inputs.renamed(names), whole.modes, whole.comparisons, whole.settings)
+    above, below = drawn(card_of("over_time")(quantity=quantity), alike).get_axes()
+    assert "Less" not in above.get_ylabel()
+    assert below.get_ylabel() == f"Less that of CC-CV\n[{unit}]"
+    assert len(lines_of(below)) == 2
+    for line in lines_of(below):
+        np.testing.assert_allclose(line.get_ydata(), 0.0, atol=1e-12)
+
+
+def test_ends_of_another_comparison_stand_as_open_symbols_on_the_curves(whole, tmp_path):
+    second = list(whole.comparisons)[1]
+    charge(tmp_path / "short", MODES["cv_pulse"][1], stop_s=7200.0)
+    folders = dict(whole.inputs) | {f"charge/{second}/cv_pulse": tmp_path / "short"}
+    data = ReportData(making.inputs(folders), whole.modes, whole.comparisons, whole.settings)
+    (axes,) = drawn(card_of("over_time")(quantity="temperature", ends_of=second), data).get_axes()
+    (mark,) = (line for line in axes.get_lines() if line.get_markerfacecolor() == "white")
+    short = data.charge(second, "cv_pulse", "trace")
+    assert mark.get_xdata() == pytest.approx(short["Test Time / s"][-1:] / 3600.0)
+    assert mark.get_ydata() == pytest.approx(short["Surface Temperature / degC"][-1:])
+
+
+def test_a_jump_within_an_interval_stands_where_its_mean_says():
+    ends, means = np.arange(10.0, 70.0, 10.0), np.array([4.0, 4.0, 3.0, 2.0, 2.0, 1.0])
+    low, high = means.copy(), means.copy()
+    low[2], high[2] = 2.0, 4.0
+    times, values = style.stepped(ends, means, low, high)
+    np.testing.assert_allclose(times, [0, 5, 15, 25, 25, 35, 45, 50, 50, 55, 60])
+    np.testing.assert_allclose(values, [4, 4, 4, 4, 2, 2, 2, 2, 1, 1, 1])
+    assert np.trapezoid(values, times) == pytest.approx(np.sum(means * 10.0), rel=1e-12)
 
 
 def test_times_in_which_the_supply_limits_are_underlined(whole, limited):
@@ -102,7 +154,7 @@ def test_a_band_over_fewer_rows_keeps_every_extreme():
 
 def test_the_bars_of_energy_add_up_to_the_table(whole):
     found = drawn(card_of("energy")(), whole)
-    for axes, comparison in zip(found.get_axes(), whole.comparisons, strict=True):
+    for axes, comparison in zip(found.get_axes()[::2], whole.comparisons, strict=True):
         for place, mode in enumerate(whole.modes):
             bars = [bar for bar in axes.patches if abs(bar.get_y() + bar.get_height() / 2 - place) < 0.1]
             energy = whole.charge(comparison, mode, "energy")

@@ -60,7 +60,7 @@ def test_levels_and_chances_are_the_tables(whole):
     found = drawn(card_of("level_effects")(), whole)
     levels, anova = whole.table("tuning", "published_levels"), whole.table("tuning", "published_anova")
     for axes, factor in zip(found.get_axes()[:3], ("c1", "c2", "w"), strict=True):
-        line = max(axes.get_lines(), key=lambda line: len(line.get_xdata()) if line.get_marker() == "o" else 0)
+        line = max(axes.get_lines(), key=lambda line: len(line.get_xdata()))
         np.testing.assert_allclose(line.get_ydata(), levels["mean"][levels["factor"] == factor])
         assert f"p = {anova['p'][anova['source'] == factor][0]:.2f}" in axes.get_title(loc="left")
 

@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
-import numpy as np
+from collections.abc import Iterable, Mapping
+from typing import TYPE_CHECKING, Any
 
 from pipeline.report import style
 from pipeline.report.records import FigureCard, NoOptions
@@ -22,10 +21,12 @@ Options = NoOptions
 
 _JOULE_PER_WH = 3600.0
 _SMALLEST_NAMED_SHARE = 0.005
+_SMALLEST_WRITTEN_SHARE = 0.045
+_OTHERS = "all others"
 
 
 def draw(figure: FigureCard, data: ReportData) -> Figure:
-    """Draw the losses of each mode as stacked bars, by path, with their sum.
+    """Draw the losses of each mode as stacked bars, by path, with their sum; beside them what differs from the first.
 
     Arguments
     ---------
@@ -34,41 +35,80 @@ def draw(figure: FigureCard, data: ReportData) -> Figure:
 
     Returns
     -------
-    The figure, a field for each comparison.
+    The figure, a row for each comparison.
     """
     comparisons = data.shown(figure.comparison)
     losses = {(c, m): _losses(data, c, m) for c in comparisons for m in data.charged(c)}
     bars = max([len(data.charged(c)) for c in comparisons], default=1)
-    drawing = style.figure(1.25 + max(1, len(comparisons)) * (0.55 + 0.48 * bars))
-    fields = drawing.subplots(max(1, len(comparisons)), 1, sharex=True, squeeze=False)[:, 0]
+    drawing = style.figure(1.4 + max(1, len(comparisons)) * (0.55 + 0.42 * bars))
+    fields = drawing.subplots(
+        max(1, len(comparisons)), 2, sharex="col", sharey="row", squeeze=False, width_ratios=(2, 1)
+    )
     if not losses:
-        style.nothing(fields[0], "no charge in this run")
+        style.nothing(fields[0, 0], "no charge in this run")
+        style.nothing(fields[0, 1], "no charge in this run")
     named = _named(list(losses.values()))
-    colours = {path: style.PARTS[place % len(style.PARTS)] for place, path in enumerate(named)}
-    for axes, comparison in zip(fields, comparisons, strict=False):
-        axes.set_title(data.comparisons[comparison])
+    parts = style.parts(named) | {_OTHERS: style.REST}
+    split = {key: _parted(found, named) for key, found in losses.items()}
+    for (whole, less), comparison in zip(fields, comparisons, strict=False):
+        whole.set_title(data.comparisons[comparison])
         modes = data.charged(comparison)
+        first = split[comparison, modes[0]]
         for place, mode in enumerate(modes):
-            _bar(axes, place, losses[comparison, mode], colours)
-        axes.set_yticks(range(len(modes)), [data.modes[mode].title for mode in modes])
-        axes.invert_yaxis()
-        axes.grid(False, axis="y")
-        axes.margins(x=0.12)
-    fields[-1].set_xlabel("Energy turned into heat over the charge [Wh]")
-    handles, labels = fields[0].get_legend_handles_labels()
-    shown = dict(zip(labels, handles, strict=True))
-    if shown:
-        drawing.legend(shown.values(), shown.keys(), loc="outside upper center", ncols=3, fontsize=9, handlelength=1.4)
+            found = split[comparison, mode]
+            _bar(whole, place, found, parts)
+            _total(whole, place, found)
+            _difference(less, place, {path: value - first[path] for path, value in found.items()}, parts)
+        less.text(0.0, 0, " reference", va="center", fontsize=9, color=style.GREY)
+        whole.set_yticks(range(len(modes)), [data.modes[mode].title for mode in modes])
+        whole.set_ylim(len(modes) - 0.5, -0.5)
+        for axes in (whole, less):
+            axes.grid(False, axis="y")
+            axes.axvline(0.0, color=style.GREY, linewidth=0.9)
+        whole.margins(x=0.13)
+        less.margins(x=0.25)
+    fields[-1, 0].set_xlabel("Energy turned into heat over the charge [Wh]")
+    fields[-1, 1].set_xlabel(f"Less that of {_first_title(data, comparisons)} [Wh]")
+    _legend(drawing, fields[:, 0], parts)
     return drawing
+
+
+def _first_title(data: ReportData, comparisons: list[str]) -> str:
+    titles = dict.fromkeys(data.modes[data.charged(name)[0]].title for name in comparisons)
+    return next(iter(titles)) if len(titles) == 1 else "the first"
+
+
+def _legend(drawing: Figure, fields: Iterable[Axes], parts: Mapping[str, style.Part]) -> None:
+    from matplotlib.lines import Line2D
+    from matplotlib.patches import Patch
+
+    drawn = {str(bar.get_label()) for axes in fields for bar in axes.containers}
+    handles: list[Any] = [Patch(**style.filled(part), label=path) for path, part in parts.items() if path in drawn]
+    if any(line.get_marker() == "D" for axes in fields for line in axes.lines):
+        handles.append(Line2D([], [], **_NET, label="sum"))
+    if handles:
+        drawing.legend(handles=handles, loc="outside upper center", ncols=4, fontsize=9, handlelength=2.0)
+
+
+_NET: dict[str, Any] = {"marker": "D", "color": "#000000", "markeredgecolor": "white", "linestyle": "", "markersize": 6}
 
 
 def _losses(data: ReportData, comparison: str, mode: str) -> dict[str, float]:
     energy = data.charge(comparison, mode, "energy")
     rows = energy["role"] == "loss"
     return {
-        str(path): float(joule) / _JOULE_PER_WH
+        _words(str(path)): float(joule) / _JOULE_PER_WH
         for path, joule in zip(energy["path"][rows], energy["energy_j"][rows], strict=True)
     }
+
+
+def _words(path: str) -> str:
+    """Return what a path is called: a pair bears a name of the configuration."""
+    return (
+        f"RC pair \N{LEFT DOUBLE QUOTATION MARK}{path[5:]}\N{RIGHT DOUBLE QUOTATION MARK}"
+        if path[:5] == "pair "
+        else path
+    )
 
 
 def _named(all_losses: list[dict[str, float]]) -> list[str]:
@@ -78,25 +118,39 @@ def _named(all_losses: list[dict[str, float]]) -> list[str]:
     return [p for p in paths if max(abs(losses.get(p, 0.0)) for losses in all_losses) > _SMALLEST_NAMED_SHARE * largest]
 
 
-def _bar(axes: Axes, place: int, losses: dict[str, float], colours: dict[str, str]) -> None:
+def _parted(losses: Mapping[str, float], named: list[str]) -> dict[str, float]:
+    """Return the losses by named path, what is left over in one."""
+    parts = {path: losses.get(path, 0.0) for path in named}
+    return parts | {_OTHERS: sum(value for path, value in losses.items() if path not in parts)}
+
+
+def _bar(
+    axes: Axes, place: int, found: Mapping[str, float], parts: Mapping[str, style.Part], written: bool = True
+) -> None:
+    """Stack the parts of a bar, what is gained back to the left of zero."""
     ends = {True: 0.0, False: 0.0}
-    total = sum(map(abs, losses.values())) or 1.0
-    rest = sum(value for path, value in losses.items() if path not in colours)
-    parts = [(path, losses.get(path, 0.0), colour) for path, colour in colours.items()]
-    if rest:
-        parts.append(("all others", rest, "#dddddd"))
-    for path, value, colour in parts:
+    total = sum(map(abs, found.values())) or 1.0
+    for path, value in found.items():
         start = ends[value >= 0]
-        axes.barh(place, value, left=start, height=0.62, color=colour, edgecolor="white", label=path)
         ends[value >= 0] += value
-        if abs(value) > 0.035 * total:
-            axes.text(
-                start + value / 2, place, f"{value:.2f}", ha="center", va="center", color=_ink(colour), fontsize=8
-            )
-    axes.text(ends[True], place, f"  {sum(losses.values()):.2f} Wh", va="center")
+        if value:
+            axes.barh(place, value, left=start, height=0.62, label=path, **style.filled(parts[path]))
+        if written and abs(value) > _SMALLEST_WRITTEN_SHARE * total:
+            style.written_on(axes, start + value / 2, f"{value:.2f}", parts[path], place)
 
 
-def _ink(colour: str) -> str:
-    red, green, blue = (int(colour[place : place + 2], 16) / 255.0 for place in (1, 3, 5))
-    lightness = float(np.dot([0.299, 0.587, 0.114], [red, green, blue]))
-    return "#000000" if lightness > 0.5 else "#ffffff"
+def _total(axes: Axes, place: int, found: Mapping[str, float]) -> None:
+    """Write the sum beside a bar; where a part is gained back, mark where on the axis the sum lies."""
+    end, total = sum(max(0.0, value) for value in found.values()), sum(found.values())
+    if end - total > 1e-9 * end:
+        axes.plot(total, place, **_NET)
+    axes.text(end, place, f"  {total:.2f} Wh", va="center")
+
+
+def _difference(axes: Axes, place: int, found: Mapping[str, float], parts: Mapping[str, style.Part]) -> None:
+    if not any(found.values()):
+        return
+    _bar(axes, place, found, parts, written=False)
+    end, total = sum(max(0.0, value) for value in found.values()), sum(found.values())
+    axes.plot(total, place, **_NET)
+    axes.text(end, place, f"  {total:+.3f}", va="center", fontsize=9)

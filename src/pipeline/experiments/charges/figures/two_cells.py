@@ -28,10 +28,10 @@ def draw(figure: FigureCard, data: ReportData) -> Figure:
 
     Returns
     -------
-    The figure, a row for each quantity, all fields on one axis of time and each row on one of its quantity.
+    The figure, a row for each quantity, each battery on its own axis of time and each row on one of its quantity.
     """
     drawing = style.figure(0.9 + 1.95 * len(QUANTITIES))
-    fields = drawing.subplots(len(QUANTITIES), 2, sharex=True, sharey="row", squeeze=False)
+    fields = drawing.subplots(len(QUANTITIES), 2, sharex="col", sharey="row", squeeze=False)
     marks = style.marks(list(data.modes))
     seen: set[str] = set()
     for column, (title, cell) in enumerate(zip(data.cells, (data, data.second()), strict=True)):

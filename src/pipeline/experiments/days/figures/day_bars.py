@@ -27,28 +27,29 @@ class Options(Record):
     quantity: Literal["energy", "time"] = Field(default="energy", description="what the bars split")
 
 
-_ENERGY = (
-    ("stored_wh", "stored", "#004488"),
-    ("battery_wh", "heat of the battery", "#6699cc"),
-    ("resistor_wh", "discharge resistor", "#bb3355"),
-    ("buck_wh", "buck converter", "#ee99aa"),
-    ("load_wh", "load", "#228833"),
-    ("boost_wh", "boost converter", "#ccbbdd"),
-    ("curtailed_wh", "no use for it", "#dddddd"),
-    ("tracker_wh", "not tracked", "#999999"),
-    ("panel_wh", "panel warmer, light dimmer", "#eecc66"),
-)
-_HOURS = (
-    ("current_limited_s", "at the current limit", "#004488"),
-    ("voltage_limited_s", "at the voltage limit", "#6699cc"),
-    ("supply_limited_s", "at the limit of the supply", "#eecc66"),
-    ("paused", "discharge and rest of pulses", "#ee99aa"),
-    ("off", "off: not enough sun", "#999999"),
-    ("ended", "ended", "#dddddd"),
-)
-_LABELS = {"energy": "Energy [Wh]", "time": "Time [h]"}
+_ENERGY = {
+    "stored_wh": "stored",
+    "battery_wh": "heat of the battery",
+    "resistor_wh": "discharge resistor",
+    "buck_wh": "buck converter",
+    "load_wh": "load",
+    "boost_wh": "boost converter",
+    "curtailed_wh": "no use for it",
+    "tracker_wh": "not tracked",
+    "panel_wh": "panel warmer, light dimmer",
+}
+_HOURS = {
+    "current_limited_s": "at the current limit",
+    "voltage_limited_s": "at the voltage limit",
+    "supply_limited_s": "at the limit of the supply",
+    "paused": "discharge and rest of pulses",
+    "off": "off: not enough sun",
+    "ended": "ended",
+}
+_LABELS = {"energy": "Energy over the day [Wh]", "time": "Hours of the day, added up by what limits the charge [h]"}
 _HOUR_S = 3600.0
-_LABELLED = 0.035
+_LABELLED = 0.028
+_SMALL = 0.0004
 
 
 def draw(figure: FigureCard, data: ReportData) -> Figure:
@@ -76,28 +77,31 @@ def draw(figure: FigureCard, data: ReportData) -> Figure:
         axes.set_yticks([0.5], ["none"])
         return drawing
     modes = max(len(charged(data, name)) for name in titles)
-    drawing = style.figure(1.5 + len(titles) * (0.45 + 0.3 * modes))
+    drawing = style.figure(1.5 + len(titles) * (0.45 + 0.36 * modes))
     fields = drawing.subplots(len(titles), 1, squeeze=False, sharex=True)[:, 0]
-    parts = _ENERGY if options.quantity == "energy" else _HOURS
+    words = _ENERGY if options.quantity == "energy" else _HOURS
+    parts = style.parts(list(words))
+    days = {name: {mode: _split(data, name, mode, options.quantity) for mode in charged(data, name)} for name in titles}
+    most = max(sum(one.values()) for found in days.values() for one in found.values())
     for axes, (name, title) in zip(fields, titles.items(), strict=True):
         axes.set_title(title)
-        found = {mode: _split(data, name, mode, options.quantity) for mode in charged(data, name)}
-        most = max(sum(one.values()) for one in found.values())
+        axes.margins(x=0.08)
+        found = days[name]
         for place, one in enumerate(found.values()):
             _bar(axes, place, one, parts, most)
         axes.set_yticks(range(len(found)), [data.modes[mode].title for mode in found])
         axes.set_ylim(len(found) - 0.5, -0.5)
         axes.grid(False, axis="y")
     fields[-1].set_xlabel(_LABELS[options.quantity])
-    handles = [Patch(color=colour, label=words) for _, words, colour in parts]
-    drawing.legend(handles=handles, loc="outside upper center", ncols=3, fontsize=9, handlelength=1.4)
+    handles = [Patch(**style.filled(part), label=words[key]) for key, part in parts.items()]
+    drawing.legend(handles=handles, loc="outside upper center", ncols=3, fontsize=9, handlelength=2.0)
     return drawing
 
 
 def _split(data: ReportData, name: str, mode: str, quantity: str) -> dict[str, float]:
     found = data.numbers(f"day/{name}/{mode}")
     if quantity == "energy":
-        return {key: found.get(key, 0.0) for key, *_ in _ENERGY}
+        return {key: found.get(key, 0.0) for key in _ENERGY}
     trace = data.table(f"day/{name}/{mode}", "trace")
     spent = {
         state: float(trace["interval_s"][trace["state"] == state].sum())
@@ -109,13 +113,19 @@ def _split(data: ReportData, name: str, mode: str, quantity: str) -> dict[str, f
     return {key: max(0.0, value) / _HOUR_S for key, value in parts.items()}
 
 
-def _bar(axes: Axes, place: int, found: dict[str, float], parts: tuple[tuple[str, str, str], ...], most: float) -> None:
-    left = 0.0
-    for key, _, colour in parts:
+def _bar(axes: Axes, place: int, found: dict[str, float], parts: dict[str, style.Part], most: float) -> None:
+    """Stack the parts of a bar with their values, the sum behind them; what is too narrow is written above its part."""
+    left, free_from, digits = 0.0, 0.0, 0 if most > 30.0 else 1
+    for key, part in parts.items():
         value = found[key]
-        axes.barh(place, value, left=left, height=0.74, color=colour, edgecolor="white", linewidth=0.6)
+        middle = left + value / 2.0
+        if value > 0.0:
+            axes.barh(place, value, left=left, height=0.56, **style.filled(part))
         if value > _LABELLED * most:
-            ink = "#ffffff" if colour in ("#004488", "#228833", "#bb3355") else "#000000"
-            text = f"{value:.0f}" if most > 30.0 else f"{value:.1f}"
-            axes.text(left + value / 2.0, place, text, ha="center", va="center", fontsize=8, color=ink)
+            style.written_on(axes, middle, f"{value:.{digits}f}", part, place)
+        elif value > _SMALL * most:
+            beside = max(middle, free_from)
+            axes.text(beside, place - 0.3, f"{value:.1f}", ha="center", va="bottom", fontsize=6.5, color=style.INK)
+            free_from = beside + 0.03 * most
         left += value
+    axes.text(left, place, f"  {left:.{digits}f}", va="center", fontsize=9)

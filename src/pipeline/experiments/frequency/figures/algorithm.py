@@ -6,10 +6,12 @@ from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from pydantic import Field
 
+from pipeline.record import Record
 from pipeline.report import style
 from pipeline.report.circuit_parts import Circuit
-from pipeline.report.records import FigureCard, NoOptions
+from pipeline.report.records import FigureCard
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -18,7 +20,12 @@ if TYPE_CHECKING:
 
 
 READS = ("algorithm", "search")
-Options = NoOptions
+
+
+class Options(Record):
+    """The search, beside what the paper chose."""
+
+    published: dict[str, float] = Field(default_factory=dict, description="name of a constant -> what the paper chose")
 
 
 _RAND = {
@@ -41,6 +48,8 @@ def draw(figure: FigureCard, data: ReportData) -> Figure:
     -------
     The figure; it says so where the search is no swarm.
     """
+    options = figure.chosen()
+    assert isinstance(options, Options)
     settings = data.settings.get("algorithm", {})
     drawing = style.figure(4.9)
     axes = drawing.subplots()
@@ -51,6 +60,9 @@ def draw(figure: FigureCard, data: ReportData) -> Figure:
     chart = Circuit(axes)
     _boxes(chart, settings, data.numbers("search").get("frequency_hz", np.nan))
     _arrows(chart)
+    if options.published:
+        words = ", ".join(f"{name.upper()} = {value:g}" for name, value in options.published.items())
+        chart.text((10.2, 4.65), f"the paper chose {words}", colour=style.PUBLISHED)
     chart.done((-4.4, 15.4), (-1.9, 9.4))
     return drawing
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -44,10 +44,10 @@ def draw(figure: FigureCard, data: ReportData) -> Figure:
     else:
         _ranked(ranked, table, numbers)
         _agreement(found, data.table("tuning", "agreement"), len(table["mean"]))
-    ranked.set_xlabel("Rank among all combinations [1]")
+    ranked.set_xlabel("Rank among all combinations")
     ranked.set_ylabel("Mean result [mW² s]")
-    found.set_xlabel("Searches behind each result [1]")
-    found.set_ylabel("Mean rank of the choice [1]")
+    found.set_xlabel("Searches behind each result")
+    found.set_ylabel("Mean rank of the choice")
     return drawing
 
 
@@ -59,9 +59,9 @@ def _ranked(axes: Axes, table: Columns, numbers: dict[str, float]) -> None:
         rank[~inside], mean[~inside], blue.marker, color=blue.colour, markerfacecolor="white", label="not in the array"
     )
     axes.plot(rank[inside], mean[inside], blue.marker, color=blue.colour, label="in the array")
-    for set_name, words, lift in (
-        ("published", "chosen in the paper", 120.0),
-        ("rerun", "chosen by the array here", 55.0),
+    for set_name, words, lift, mark in (
+        ("published", "chosen in the paper", 78.0, style.PUBLISHED_POINT | {"markersize": 14, "markeredgewidth": 1.3}),
+        ("rerun", "chosen by the array here", 40.0, {"color": red.colour, "marker": red.marker, "markersize": 11}),
     ):
         wanted = [numbers.get(f"{set_name}_chosen_{knob}", np.nan) for knob in _KNOBS]
         row = np.all(
@@ -69,21 +69,37 @@ def _ranked(axes: Axes, table: Columns, numbers: dict[str, float]) -> None:
             axis=0,
         )
         for place in np.flatnonzero(row):
-            _point_at(axes, float(rank[place]), float(mean[place]), words, wanted, lift)
+            _point_at(axes, (float(rank[place]), float(mean[place])), words, wanted, lift, mark)
     spread = table["standard_deviation"].astype(float)
     middle = float(np.nanmedian(spread)) if np.isfinite(spread).any() else np.nan
     axes.set_title(f"All {len(mean)} combinations; single searches spread by {middle:.2g} mW² s")
-    axes.plot([], [], red.marker, color=red.colour, label="chosen")
+    _outliers(axes, rank, mean)
     axes.legend(loc="upper left", fontsize=9, handlelength=1.0)
 
 
-def _point_at(axes: Axes, rank: float, mean: float, words: str, knobs: list[float], lift: float) -> None:
-    red = style.MARKS[2]
+def _outliers(axes: Axes, rank: np.ndarray, mean: np.ndarray) -> None:
+    """End the axis where the bulk does; tell what lies above it at its edge."""
+    low, high = float(np.min(mean)), float(np.quantile(mean, 0.9))
+    above = mean > high + 0.5 * (high - low)
+    if not np.any(above):
+        return
+    top = low + 1.35 * (float(np.max(mean[~above])) - low)
+    axes.set_ylim(low - 0.06 * (top - low), top)
+    axes.plot(
+        rank[above], np.full(np.count_nonzero(above), top), "^", color=style.MARKS[0].colour, markersize=7,
+        markerfacecolor="white", clip_on=False,
+        label=f"{np.count_nonzero(above)} beyond, up to {float(np.max(mean)):.3g}",
+    )  # fmt: skip
+
+
+def _point_at(
+    axes: Axes, place: tuple[float, float], words: str, knobs: list[float], lift: float, mark: dict[str, Any]
+) -> None:
     text = f"{words}\nC1, C2, W = {', '.join(f'{value:g}' for value in knobs)}"
-    axes.plot(rank, mean, red.marker, color=red.colour, markersize=9, zorder=5)
+    axes.plot(*place, **mark | {"zorder": 5, "markerfacecolor": "none", "markeredgecolor": mark["color"]})
     axes.annotate(
-        text, (rank, mean), xytext=(-20, lift), textcoords="offset points", ha="right", va="center", fontsize=9,
-        arrowprops={"arrowstyle": "-", "color": red.colour, "linewidth": 0.8},
+        text, place, xytext=(-20, lift), textcoords="offset points", ha="right", va="center", fontsize=9,
+        color=mark["color"], arrowprops={"arrowstyle": "-", "color": mark["color"], "linewidth": 0.8},
     )  # fmt: skip
 
 
@@ -92,12 +108,14 @@ def _agreement(axes: Axes, table: Columns, combinations: int) -> None:
     curves = {"the array's level sums": table["mean_rank"], "the array's best run": table["mean_rank_of_best_run"]}
     for (label, values), mark in zip(curves.items(), style.MARKS, strict=False):
         axes.plot(effort, values, color=mark.colour, linestyle=mark.line, marker=mark.marker, label=label)
-    axes.axhline(0.5 * (combinations + 1), color=style.GREY, linestyle=":", label="by chance")
-    axes.axhline(1.0, color="#222222", linewidth=0.8, label="the best")
+    axes.axhline(0.5 * (combinations + 1), color=style.GREY, linestyle=":", label="a choice by chance")
+    axes.axhline(1.0, color="#222222", linewidth=0.8, label="the best of all")
     axes.set_xscale("log")
     axes.set_xticks(effort, [f"{value:g}" for value in effort])
     axes.minorticks_off()
-    axes.set_ylim(0.0, 0.62 * combinations)
-    share = table["found_share"][effort == 5] if (effort == 5).any() else table["found_share"][:1]
-    axes.set_title(f"Best combination found in {100.0 * float(share[0]):.0f} %" if len(share) else "")
-    axes.legend(loc="lower left", fontsize=9)
+    axes.set_ylim(0.0, 0.95 * combinations)
+    share, of = 100.0 * table["found_share"].astype(float), float(effort[-1]) if len(effort) else np.nan
+    axes.set_title(
+        f"The best itself chosen in {share[-1]:.0f} %\nof repetitions at {of:g} searches" if len(share) else ""
+    )
+    axes.legend(loc="upper left", fontsize=9)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Literal, NamedTuple
+from typing import TYPE_CHECKING, Any, Literal, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -63,7 +63,7 @@ def draw(figure: FigureCard, data: ReportData) -> Figure:
     assert isinstance(options, Options)
     column, label, distance_label, words = _AXES[options.quantity]
     drawing = style.figure(4.2)
-    whole, near = drawing.subplots(1, 2)
+    whole, near = drawing.subplots(1, 2, width_ratios=(1.0, 1.5))
     band, runs = _runs(data, options.band, column), _runs(data, options.runs, column)
     best = float(_runs(data, options.oracle, column).values[0, -1])
     _band(whole, band)
@@ -74,14 +74,53 @@ def draw(figure: FigureCard, data: ReportData) -> Figure:
     for draw_runs, one in ((_band, band), (_lines, runs)):
         draw_runs(near, one._replace(values=np.maximum(np.abs(one.values - best), smallest)))
     near.set_yscale("log")
-    near.set_ylim(bottom=smallest)
+    near.set_ylim(bottom=0.6 * smallest)
+    _name_the_floor(near, smallest)
     near.set_ylabel(distance_label)
     for axes in (whole, near):
-        axes.set_xlabel("Iteration [1]")
-    drawing.legend(
-        *whole.get_legend_handles_labels(), loc="outside upper center", ncols=4, fontsize=9, handlelength=1.8
-    )
+        axes.set_xlabel("Iteration")
+    whole.set_xlim(0.0, _settled(band, runs))
+    whole.set_title("The first iterations")
+    near.set_title("All iterations")
+    _legend(drawing, whole, runs)
     return drawing
+
+
+def _settled(*searches: _Runs) -> float:
+    """Return by when all that is seen on a linear axis has happened."""
+    last = 4.0
+    for runs in searches:
+        low, high = np.quantile(runs.values, [0.05, 0.95], axis=0)
+        wide = np.flatnonzero(high - low > 0.02 * float(np.max(high - low, initial=0.0)))
+        last = max(last, float(runs.iteration[wide[-1]]) + 2.0 if len(wide) else 0.0)
+    return min(last, float(searches[0].iteration[-1]))
+
+
+def _name_the_floor(axes: Axes, smallest: float) -> None:
+    """Say at its tick that the lowest value stands for all below it."""
+    from matplotlib.ticker import FixedFormatter, FixedLocator, NullLocator
+
+    powers = range(round(np.log10(smallest)), 1 + int(np.ceil(np.log10(axes.get_ylim()[1]))))
+    axes.yaxis.set_major_locator(FixedLocator([10.0**power for power in powers]))
+    words = [f"$10^{{{power}}}$" for power in powers]
+    axes.yaxis.set_major_formatter(FixedFormatter([f"≤ {words[0]}", *words[1:]]))
+    axes.yaxis.set_minor_locator(NullLocator())
+
+
+def _legend(drawing: Figure, axes: Axes, runs: _Runs) -> None:
+    """Tell all five styles of the runs in one entry."""
+    from matplotlib.legend_handler import HandlerTuple
+    from matplotlib.lines import Line2D
+
+    handles, labels = axes.get_legend_handles_labels()
+    styles = [style.MARKS[place % len(style.MARKS)] for place in range(len(runs.values))]
+    drawn = tuple(Line2D([], [], color=mark.colour, marker=mark.marker, markersize=4, linewidth=1.3) for mark in styles)
+    every: list[Any] = [*handles, drawn]
+    drawing.legend(
+        every, [*labels, f"{len(drawn)} runs, as published"], loc="outside upper center", ncols=4,
+        fontsize=9,
+        handlelength=1.8, handler_map={tuple: HandlerTuple(ndivide=None, pad=0.1)},
+    )  # fmt: skip
 
 
 def _runs(data: ReportData, search: str, column: str) -> _Runs:
@@ -106,8 +145,8 @@ def _band(axes: Axes, runs: _Runs) -> None:
 def _lines(axes: Axes, runs: _Runs) -> None:
     for place, values in enumerate(runs.values):
         mark = style.MARKS[place % len(style.MARKS)]
-        label = f"{len(runs.values)} runs, as published" if place == 0 else ""
+        width = 1.3 + 0.5 * (len(runs.values) - 1 - place)
         axes.step(
-            runs.iteration, values, where="post", color=mark.colour, linewidth=1.3, marker=mark.marker, markersize=4,
-            markevery=(place, 5), label=label,
+            runs.iteration, values, where="post", color=mark.colour, linewidth=width,
+            marker=mark.marker, markersize=4, markevery=(place, 5),
         )  # fmt: skip

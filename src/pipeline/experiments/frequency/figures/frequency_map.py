@@ -22,6 +22,8 @@ Options = NoOptions
 
 _LEVELS_HZ = (10.0, 20.0, 30.0, 50.0, 150.0, 200.0, 300.0, 500.0, 1000.0)
 _MICRO = 1e6
+_MARGIN = 0.06
+"""A label of a contour closer to the frame than this share of it would be cut."""
 
 
 def draw(figure: FigureCard, data: ReportData) -> Figure:
@@ -62,7 +64,14 @@ def draw(figure: FigureCard, data: ReportData) -> Figure:
         float(np.sqrt(capacitance[0] * capacitance[-1])),
     )
     axes.plot(*nominal, "o", color="white", markeredgecolor="#222222", markersize=8, zorder=5)
-    axes.annotate("as configured", nominal, xytext=(9, 7), textcoords="offset points", color="white", zorder=5)
+    axes.annotate(
+        "as configured",
+        nominal,
+        xytext=(9, 9),
+        textcoords="offset points",
+        zorder=5,
+        bbox={"facecolor": "white", "edgecolor": "none", "alpha": 0.85, "pad": 1.2},
+    )
     axes.xaxis.set_major_formatter("{x:g}")
     axes.yaxis.set_major_formatter("{x:g}")
     axes.grid(False)
@@ -71,16 +80,21 @@ def draw(figure: FigureCard, data: ReportData) -> Figure:
 
 
 def _contours(axes: Axes, energy_uj: np.ndarray, capacitance_f: np.ndarray, best: np.ndarray, data: ReportData) -> None:
-    lines = axes.contour(energy_uj, capacitance_f, best, levels=_LEVELS_HZ, colors="white", linewidths=0.7)
-    axes.clabel(lines, fmt="%g Hz", fontsize=8)
+    lines = axes.contour(energy_uj, capacitance_f, best, levels=_LEVELS_HZ, colors="white", linewidths=0.8)
+    box = {"facecolor": "white", "edgecolor": "none", "alpha": 0.85, "pad": 1.2}
+    for text in axes.clabel(lines, fmt="%g Hz", fontsize=8, colors="black", inline=False, zorder=4):
+        text.set_bbox(box)
+        place = axes.transAxes.inverted().transform(axes.transData.transform(text.get_position()))
+        text.set_visible(bool(np.all((place > _MARGIN) & (place < 1.0 - _MARGIN))))
     published = data.table("objective", "contour")
     inside = (published["switching_energy_j"] * _MICRO >= energy_uj[0]) & (
         published["switching_energy_j"] * _MICRO <= energy_uj[-1]
     )
     x, y = _MICRO * published["switching_energy_j"][inside], published["capacitance_f"][inside]
-    axes.plot(x, y, color=style.MARKS[2].colour, linewidth=3.0)
+    axes.plot(x, y, color="white", linewidth=5.0)
+    axes.plot(x, y, color=style.PUBLISHED, linewidth=2.6)
     if len(x):
         axes.annotate(
-            "90 Hz, as published", (x[4 * len(x) // 5], y[4 * len(x) // 5]), xytext=(4, 12), textcoords="offset points",
-            color="white", fontsize=10, fontweight="bold",
+            "90 Hz, as published", (x[4 * len(x) // 5], y[4 * len(x) // 5]), xytext=(4, 14), textcoords="offset points",
+            color=style.PUBLISHED, fontsize=10, fontweight="bold", bbox=box, zorder=5,
         )  # fmt: skip

@@ -21,6 +21,7 @@ Options = NoOptions
 
 
 _SETS = {"published": "Table 2 as printed", "rerun": "The array run anew on our objective"}
+_MARKS = {"published": style.Mark(style.PUBLISHED, "-", "o"), "rerun": style.MARKS[0]._replace(marker="s")}
 
 
 def draw(figure: FigureCard, data: ReportData) -> Figure:
@@ -42,12 +43,12 @@ def draw(figure: FigureCard, data: ReportData) -> Figure:
     for row, name in enumerate(sets):
         for column, factor in enumerate(factors):
             axes = fields[row, column]
-            _levels(axes, data, name, factor, style.MARKS[row])
+            _levels(axes, data, name, factor, _MARKS[name])
             chance = _chance(data, name, factor)
             axes.set_title(f"{factor.upper()}: " + ("p < 0.001" if chance < 0.001 else f"p = {chance:.2f}"))
             if row == len(sets) - 1:
-                axes.set_xlabel(f"{factor.upper()} [1]")
-        fields[row, 0].set_ylabel(f"{_SETS[name]}\nmean ISE [{'1' if name == 'published' else 'mW² s'}]")
+                axes.set_xlabel(f"{factor.upper()}")
+        fields[row, 0].set_ylabel(style.label(f"{_SETS[name]}\nmean ISE", "1" if name == "published" else "mW² s"))
     return drawing
 
 
@@ -57,8 +58,8 @@ def _levels(axes: Axes, data: ReportData, name: str, factor: str, mark: style.Ma
     setting, mean, chosen = table["setting"][rows], table["mean"][rows], table["chosen"][rows].astype(bool)
     half = _half_interval(data, name, int(rows.sum()))
     axes.axhline(float(np.mean(mean)), color=style.GREY, linewidth=0.8, linestyle=":")
-    axes.errorbar(setting, mean, yerr=half, color=mark.colour, linewidth=1.2, capsize=3, marker=mark.marker,
-                  markerfacecolor="white")  # fmt: skip
+    axes.errorbar(setting, mean, yerr=half, color=mark.colour, linewidth=1.2, capsize=3)
+    axes.plot(setting[~chosen], mean[~chosen], mark.marker, color=mark.colour, markerfacecolor="white")
     axes.plot(setting[chosen], mean[chosen], mark.marker, color=mark.colour, markersize=8, zorder=5)
     axes.set_xticks(setting, [f"{value:g}" for value in setting])
     axes.margins(x=0.12)

@@ -58,8 +58,8 @@ def _bifurcation(axes: Axes, data: ReportData) -> None:
     )  # fmt: skip
     axes.set_xlim(float(table["r"].min()), _FULL_CHAOS + 0.01)
     axes.set_ylim(0.0, 1.0)
-    axes.set_xlabel("Parameter r [1]")
-    axes.set_ylabel("Values of the map [1]")
+    axes.set_xlabel("Parameter r")
+    axes.set_ylabel("Values of the map")
     axes.set_title("Where the map goes after its transient")
 
 
@@ -67,8 +67,8 @@ def _orbit(axes: Axes, values: np.ndarray) -> None:
     shown = values[:_ORBIT_SHOWN]
     axes.plot(np.arange(len(shown)), shown, color=style.MARKS[0].colour, linewidth=0.9, marker="o", markersize=2.6)
     axes.set_ylim(-0.03, 1.03)
-    axes.set_xlabel("Step [1]")
-    axes.set_ylabel("Value at r = 4 [1]")
+    axes.set_xlabel("Step")
+    axes.set_ylabel("Value at r = 4")
     axes.set_title("The first values at r = 4")
 
 
@@ -80,9 +80,11 @@ def _density(axes: Axes, values: np.ndarray) -> None:
     )  # fmt: skip
     x = np.sin(0.5 * np.pi * np.linspace(0.02, 0.98, 301)) ** 2
     axes.plot(x, 1.0 / (np.pi * np.sqrt(x * (1.0 - x))), color=style.MARKS[2].colour, label="arcsine law")
-    axes.plot([0.0, 1.0], [1.0, 1.0], color="#222222", linestyle=style.MARKS[1].line, label="uniform, as published")
+    axes.plot(
+        [0.0, 1.0], [1.0, 1.0], color=style.PUBLISHED, linestyle=style.MARKS[1].line, label="uniform, as published"
+    )
     axes.set_ylim(0.0, 5.0)
-    axes.set_xlabel("Value at r = 4 [1]")
-    axes.set_ylabel("Density [1]")
+    axes.set_xlabel("Value at r = 4")
+    axes.set_ylabel("Density")
     axes.set_title("How they are distributed")
     axes.legend(loc="upper center", fontsize=9)

@@ -53,12 +53,17 @@ def _parts(axes: Axes, loss: Columns, numbers: dict[str, float]) -> None:
     for (label, values), mark, width in zip(curves, style.MARKS, (1.3, 1.3, 2.2), strict=False):
         axes.plot(frequency, _MILLI * values, color=mark.colour, linestyle=mark.line, linewidth=width, label=label)
     levels = {
-        "ripple in the series resistance": float(loss["series_ripple_w"][0]),
-        "mean current": numbers.get("mean_current_w", np.nan),
-        "discharge resistor": numbers.get("discharge_resistor_w", np.nan),
+        "ripple in the series resistance": (float(loss["series_ripple_w"][0]), "bottom"),
+        "mean current": (numbers.get("mean_current_w", np.nan), "top"),
+        "discharge resistor": (numbers.get("discharge_resistor_w", np.nan), "bottom"),
     }
-    for (label, value), line in zip(levels.items(), ("-", "--", ":"), strict=True):
-        axes.axhline(_MILLI * value, color="#555555", linewidth=1.1, linestyle=line, label=f"{label}, at any frequency")
+    for (label, (value, side)), mark in zip(levels.items(), style.MARKS[3:], strict=False):
+        axes.axhline(_MILLI * value, color=mark.colour, linewidth=1.2, linestyle=mark.line)
+        axes.annotate(
+            f"{label}, at any frequency", (0.99, _MILLI * value), xycoords=("axes fraction", "data"),
+            xytext=(0, 2 if side == "bottom" else -3), textcoords="offset points", ha="right", va=side, fontsize=8.5,
+            color=mark.colour,
+        )  # fmt: skip
     axes.set_xscale("log")
     axes.set_yscale("log")
     axes.set_ylim(1e-3, 3e3)
@@ -82,14 +87,21 @@ def _places(numbers: dict[str, float]) -> dict[str, float]:
     return {name: value for name, value in found.items() if np.isfinite(value) and value > 0.0}
 
 
+_WORDS = {
+    "classic": ("a documented\nReflex charger", (0, -30), "left", "top"),
+    "optimum": ("optimum", (0, 26), "center", "bottom"),
+    "least impedance": ("least impedance", (24, -34), "right", "top"),
+}
+
+
 def _place(axes: Axes, name: str, frequency_hz: float, loss_mw: float) -> None:
+    words, offset, side, level = _WORDS[name]
     axes.plot(frequency_hz, loss_mw, "o", color="#222222", markersize=6, zorder=5)
-    side = "left" if name == "classic" else "center"
+    number = f"{frequency_hz:.3g}" if frequency_hz < 100 else f"{frequency_hz:.4g}"
     axes.annotate(
-        f"{name}\n{frequency_hz:.3g} Hz" if frequency_hz < 100 else f"{name}\n{frequency_hz:.4g} Hz",
-        (frequency_hz, loss_mw), xytext=(0, -30), textcoords="offset points",
-        ha=side, va="center", fontsize=9, arrowprops={"arrowstyle": "-", "color": "#222222", "linewidth": 0.7},
-        bbox={"facecolor": "white", "edgecolor": "none", "alpha": 0.85, "pad": 1.0},
+        f"{words}: {number} Hz" if name == "classic" else f"{words}\n{number} Hz", (frequency_hz, loss_mw),
+        xytext=offset, textcoords="offset points", ha=side, va=level, fontsize=9,
+        arrowprops={"arrowstyle": "-", "color": "#222222", "linewidth": 0.7},
     )  # fmt: skip
 
 

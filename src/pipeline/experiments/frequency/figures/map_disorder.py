@@ -24,6 +24,7 @@ Options = NoOptions
 Array = NDArray[np.float64]
 _NEAR_FOUR = 3.92
 _LOWEST_DIFFERENCE = -0.15
+_LOWEST_EXPONENT = -1.0
 
 
 def draw(figure: FigureCard, data: ReportData) -> Figure:
@@ -51,14 +52,14 @@ def draw(figure: FigureCard, data: ReportData) -> Figure:
         most = dict.fromkeys(f"{r[np.argmax(values)]:.4g}" for r, values in curves.values())
         fields[row, 1].set_title("Close to r = 4: largest at " + ", ".join(most))
     fields[0, 0].axhline(0.0, color=style.GREY, linewidth=0.8)
-    fields[0, 0].set_ylim(-1.0, 0.85)
-    fields[0, 0].set_title("Lyapunov exponent")
+    fields[0, 0].set_ylim(_LOWEST_EXPONENT, 0.85)
+    fields[0, 0].set_title(f"Lyapunov exponent; its dips reach below {_LOWEST_EXPONENT:g}")
     fields[1, 0].set_title("Shannon entropy of the visits to equal bins")
     fields[0, 0].set_ylabel("Exponent [nat per step]")
     fields[1, 0].set_ylabel("Entropy [nat]")
     fields[1, 0].legend(loc="upper left", fontsize=9)
     for axes, low in zip(fields[1], (float(table["r"].min()), _NEAR_FOUR), strict=True):
-        axes.set_xlabel("Parameter r [1]")
+        axes.set_xlabel("Parameter r")
         axes.set_xlim(low, 4.0 + 0.02 * (4.0 - low))
     return drawing
 
@@ -78,7 +79,7 @@ def _entropy(table: Columns) -> dict[str, tuple[Array, Array]]:
 
 def _whole(axes: Axes, r: Array, values: Array, place: int, label: str) -> None:
     mark, most = style.MARKS[place], int(np.argmax(values))
-    axes.plot(r, values, color=mark.colour, linewidth=1.0, label=label)
+    axes.plot(r, values, color=mark.colour, linestyle=mark.line, linewidth=1.6 - 0.3 * place, label=label)
     axes.plot(r[most], values[most], mark.marker, color=mark.colour, markersize=7, markeredgecolor="white")
 
 

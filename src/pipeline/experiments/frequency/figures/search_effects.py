@@ -28,7 +28,7 @@ class Options(Record):
 
 
 _MEASURES = {
-    "iterations_to_within_1_hz": ("Iterations to within 1 Hz [1]", "needs more iterations"),
+    "iterations_to_within_1_hz": ("Iterations to within 1 Hz", "needs more iterations"),
     "final_distance_hz": ("Final distance from the best [Hz]", "ends farther off"),
 }
 
@@ -54,7 +54,7 @@ def draw(figure: FigureCard, data: ReportData) -> Figure:
     )
     for column, (measure, (label, worse)) in enumerate(_MEASURES.items()):
         _means(rows[0, column], data, measure, options.searches, label)
-        _effects(rows[1, column], data, measure, pairs, options.searches, f"Chance that the first {worse} [1]")
+        _effects(rows[1, column], data, measure, pairs, options.searches, f"Chance that the first {worse}")
         if column:
             for axes in rows[:, column]:
                 axes.tick_params(labelleft=False)
@@ -74,6 +74,7 @@ def _means(axes: Axes, data: ReportData, measure: str, searches: dict[str, str],
         if row.any():
             value, low, high = (float(table[part][row][0]) for part in ("mean", "mean_low", "mean_high"))
             _interval(axes, place, value, low, high, mark)
+    axes.margins(x=0.06)
     axes.set_xlim(left=0.0)
     _named(axes, list(searches.values()), label)
 

@@ -45,9 +45,13 @@ def floored(values: NDArray[np.float64]) -> NDArray[np.float64]:
     return np.maximum(values, FLOOR)
 
 
-def value_ticks(axis: Axis) -> None:
-    """Label a logarithmic axis whose floor stands for 0."""
-    exponents = (-12, -6, 0)
-    axis.set_ticks([FLOOR, *(10.0**exponent for exponent in exponents)])
-    axis.set_ticklabels(["0", *(f"$10^{{{exponent}}}$" for exponent in exponents)])
+def value_ticks(axis: Axis, low: float = FLOOR, high: float = 1.0) -> None:
+    """Label a logarithmic axis between two values, at most four powers of ten; at the floor stands 0."""
+    first = int(np.ceil(np.log10(low))) if low > FLOOR else -12
+    last = int(np.floor(np.log10(high)))
+    step = next((step for step in (1, 2, 3, 6, 12, 24, 48) if (last - first) // step <= 3), 96)
+    exponents = [number for number in range(first, last + 1) if number % step == 0]
+    floor = [FLOOR] if low <= FLOOR else []
+    axis.set_ticks([*floor, *(10.0**exponent for exponent in exponents)])
+    axis.set_ticklabels([*("0" for _ in floor), *(f"$10^{{{exponent}}}$" for exponent in exponents)])
     axis.set_ticks([], minor=True)

@@ -25,6 +25,9 @@ class Options(Record):
     """Searches on test functions, by where the minimum is."""
 
     searches: dict[str, str] = Field(min_length=1, description="name of a search -> what it is called here")
+    published_goal: float | None = Field(
+        default=None, gt=0, description="value at which the paper counts a run as done"
+    )
 
 
 def draw(figure: FigureCard, data: ReportData) -> Figure:
@@ -57,14 +60,17 @@ def draw(figure: FigureCard, data: ReportData) -> Figure:
         axes.set_xscale("log")
         axes.set_xlim(0.1 * FLOOR, 1e3)
         value_ticks(axes.xaxis)
-        axes.axvline(1e-6, color=style.GREY, linewidth=0.8, linestyle=":")
-        axes.set_xlabel("Mean best value [1]")
+        if options.published_goal is not None:
+            style.published(axes, options.published_goal, "", upright=True)
+        axes.set_xlabel("Mean best value")
     fields[0].set_yticks(range(len(functions)), [NAMES.get(name, name) for name in functions])
     fields[0].set_ylim(len(functions) - 0.5, -0.5)
     handles = [
         Line2D([], [], color=mark.colour, marker=mark.marker, linestyle="", label=PLACES[placement])
         for placement, mark in zip(placements, style.MARKS, strict=False)
     ]
+    if options.published_goal is not None:
+        handles.append(style.key_of_published("goal of the paper"))
     drawing.legend(handles=handles, loc="outside upper center", ncols=len(handles))
     return drawing
 

@@ -46,7 +46,7 @@ def draw(figure: FigureCard, data: ReportData) -> Figure:
     )
     axes.axvline(used, color="#222222", linewidth=0.8, linestyle=":")
     title = f"Generation {used}: best {best[chosen, used]:.4g}, mean {mean[chosen, used]:.4g} C²"
-    axes.set(xlabel="Generation [1]", ylabel="Mean square error [C²]", yscale="log", title=title)
+    axes.set(xlabel="Generation", ylabel="Mean square error [C²]", yscale="log", title=title)
     axes.set_xlim(0.0, generation[-1])
     drawing.legend(*axes.get_legend_handles_labels(), loc="outside upper center", ncols=4, fontsize=9)
     return drawing

@@ -42,12 +42,12 @@ def draw(figure: FigureCard, data: ReportData) -> Figure:
         medians = [float(np.median(error[own & (centres == count)])) for count in counts]
         axes.plot(counts, medians, color=mark.colour, linestyle=mark.line, label=label)
         axes.plot(centres[own], error[own], mark.marker, color=mark.colour, markersize=4, alpha=0.6, markeredgewidth=0)
-    axes.set(xlabel="Centres [1]", ylabel="Mean square error [C²]", yscale="log")
+    axes.set(xlabel="Centres", ylabel="Mean square error [C²]", yscale="log")
     ticks = np.unique(centres)[::2]
     units = dict(zip(centres.tolist(), table["units"].tolist(), strict=True))
     axes.set_xticks(ticks)
     above = axes.secondary_xaxis("top")
     above.set_xticks(ticks, [f"{units[count]}" for count in ticks.tolist()])
-    above.set_xlabel("Processing units [1]")
+    above.set_xlabel("Processing units")
     axes.legend(loc="lower left")
     return drawing

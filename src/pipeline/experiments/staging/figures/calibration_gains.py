@@ -19,7 +19,7 @@ READS = ("front",)
 Options = NoOptions
 
 
-_HATCHES = {"peak": "", "final": "//"}
+_READINGS = {"peak": ("", "at the same highest rise"), "final": ("//", "at the same rise at the end")}
 
 
 def draw(figure: FigureCard, data: ReportData) -> Figure:
@@ -30,32 +30,41 @@ def draw(figure: FigureCard, data: ReportData) -> Figure:
     figure : the card.
     data : what the calibrations come to.
     """
+    from matplotlib.patches import Patch
+
     gains, stages = data.table("front", "calibrations"), data.table("front", "calibration_stages")
     names = [str(name) for name in dict.fromkeys(gains["calibration"])]
     drawing = style.figure(4.0)
     saved, currents = drawing.subplots(1, 2)
     for place, (name, mark) in enumerate(zip(names, style.MARKS[: len(names)], strict=False)):
-        for offset, (reading, hatch) in zip((-0.2, 0.2), _HATCHES.items(), strict=True):
+        for offset, (reading, (hatch, _)) in zip((-0.2, 0.2), _READINGS.items(), strict=True):
             row = (gains["calibration"] == name) & (gains["rise"] == reading)
             share = 100.0 * float(gains["saved_share"][row][0])
-            saved.barh(place + offset, share, 0.36, color=mark.colour, hatch=hatch, edgecolor="white", linewidth=0)
-            saved.text(
-                share + 0.2, place + offset, f"{share:.1f} % at the same {reading} rise", va="center", fontsize=9
-            )
+            saved.barh(place + offset, share, 0.36, **style.filled(style.Part(mark.colour, hatch)))
+            saved.text(share + 0.2, place + offset, f"{share:.1f} %", va="center", fontsize=9)
         own = stages["calibration"] == name
         currents.plot(
-            stages["stage"][own], stages["same_peak_a"][own], color=mark.colour, linestyle=mark.line, marker=mark.marker
+            stages["stage"][own],
+            stages["same_peak_a"][own],
+            color=mark.colour,
+            linestyle=mark.line,
+            marker=mark.marker,
+            markersize=5.0 + 1.5 * (len(names) - 1 - place),
         )
+    keys = [Patch(**style.filled(style.Part(style.GREY, hatch)), label=words) for hatch, words in _READINGS.values()]
+    drawing.legend(handles=keys, loc="outside upper left", ncols=2, fontsize=9)
     if names:
         first = stages["calibration"] == names[0]
-        currents.plot(stages["stage"][first], stages["printed_a"][first], color=style.GREY, marker="*", markersize=9)
-        currents.text(1.25, float(stages["printed_a"][first][0]) + 0.3, "printed", color=style.GREY, fontsize=9)
+        currents.plot(
+            stages["stage"][first], stages["printed_a"][first], **style.PUBLISHED_POINT | {"linestyle": (0, (4, 1.5))}
+        )
+        currents.text(1.25, float(stages["printed_a"][first][0]) + 0.3, "printed", color=style.PUBLISHED, fontsize=9)
     saved.set_yticks(range(len(names)), [name.replace("_", " ") for name in names])
     saved.invert_yaxis()
     saved.grid(False, axis="y")
-    saved.set_xlim(0.0, 1.75 * 100.0 * float(np.max(gains["saved_share"], initial=0.01)))
+    saved.set_xlim(0.0, 1.2 * 100.0 * float(np.max(gains["saved_share"], initial=0.01)))
     saved.set_xlabel("Charging time saved [%]")
-    currents.set_xlabel("Stage [1]")
+    currents.set_xlabel("Stage")
     currents.set_ylabel("Current at the same highest rise [A]")
     currents.set_ylim(bottom=0.0)
     return drawing

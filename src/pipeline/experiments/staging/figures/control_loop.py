@@ -31,7 +31,7 @@ def draw(figure: FigureCard, data: ReportData) -> Figure:
     The figure; it says so where that search is no cuckoo search.
     """
     settings = data.settings.get("stage_search", {})
-    drawing = style.figure(3.6)
+    drawing = style.figure(2.2)
     axes = drawing.subplots()
     axes.set_axis_off()
     if settings.get("kind") != "cuckoo":
@@ -39,29 +39,25 @@ def draw(figure: FigureCard, data: ReportData) -> Figure:
         return drawing
     chart = Circuit(axes)
     used = style.MARKS[0].colour
-    chart.box((0.0, 0.0), 2.8, 1.3, "best nest\n(reference)")
-    chart.box((3.9, 0.0), 2.0, 1.3, "e = best\n- X", round_by=0.5)
-    chart.box(
-        (10.4, 2.3),
-        8.2,
-        1.5,
-        f"P: Kp e, with Kp = -L x {settings['step_scale']:g}\nL: a Lévy number times a normal one",
-    )
+    chart.box((0.0, 0.0), 3.4, 1.6, "best nest\n(reference)")
+    chart.box((5.2, 0.0), 3.6, 1.6, "e =\nbest - X", round_by=0.5)
+    proportional = f"P: Kp e, with Kp = -L x {settings['step_scale']:g}\nL: a Lévy number times a normal one"
+    chart.box((14.2, 2.6), 10.4, 1.7, proportional)
     integral = f"Ki = {settings['ki']:g}, leak = {settings['leak']:g}" if settings["ki"] > 0 else "Ki = 0: left out"
-    chart.box((10.4, 0.0), 8.2, 1.5, f"I: Ki (e + leak e' + leak² e'' + ...)\n{integral}", used)
-    chart.box((10.4, -2.1), 8.2, 1.0, "D: none", "#b8b8b8")
+    chart.box((14.2, 0.0), 10.4, 1.7, f"I: Ki (e + leak e' + leak² e'' + ...)\n{integral}", used)
+    chart.box((14.2, -2.2), 10.4, 1.1, "D: none", "#8a8a8a")
     end = settings["inertia_end"]
-    falls = "" if end is None else f" falling to {end:g}"
-    chart.box((18.4, 0.0), 4.6, 1.5, f"X = w X + P + I\nw = {settings['inertia']:g}{falls}")
-    chart.box((24.0, 0.0), 3.4, 1.5, "kept where\nno worse")
-    chart.arrow((1.4, 0.0), (2.9, 0.0))
-    chart.arrow((4.9, 0.0), (6.3, 0.0))
-    chart.arrow((5.5, 0.0), (5.5, 2.3), ends_at=(6.3, 2.3))
-    chart.arrow((14.5, 2.3), (18.4, 2.3), ends_at=(18.4, 0.75))
-    chart.arrow((14.5, 0.0), (16.1, 0.0))
-    chart.arrow((20.7, 0.0), (22.3, 0.0))
-    chart.arrow((25.7, 0.0), (27.6, 0.0), "X")
-    axes.plot([26.6, 26.6, 3.9], [0.0, -3.4, -3.4], color="#222222", linewidth=1.3, zorder=2)
-    chart.arrow((3.9, -3.4), (3.9, -0.65))
-    chart.done((-1.8, 28.2), (-3.8, 3.4))
+    falls = "" if end is None else f", falling to {end:g}"
+    chart.box((24.6, 0.0), 6.4, 1.7, f"X = w X + P + I\nw = {settings['inertia']:g}{falls}")
+    chart.box((31.4, 0.0), 4.2, 1.7, "kept where\nno worse")
+    chart.arrow((1.7, 0.0), (3.4, 0.0))
+    chart.arrow((7.0, 0.0), (9.0, 0.0))
+    chart.arrow((7.9, 0.0), (7.9, 2.6), ends_at=(9.0, 2.6))
+    chart.arrow((19.4, 2.6), (24.6, 2.6), ends_at=(24.6, 0.85))
+    chart.arrow((19.4, 0.0), (21.4, 0.0))
+    chart.arrow((27.8, 0.0), (29.3, 0.0))
+    chart.arrow((33.5, 0.0), (35.6, 0.0), "X")
+    axes.plot([34.6, 34.6, 5.2], [0.0, -3.4, -3.4], color="#222222", linewidth=1.3, zorder=2)
+    chart.arrow((5.2, -3.4), (5.2, -0.8))
+    chart.done((-2.0, 36.0), (-3.7, 3.7))
     return drawing

@@ -40,7 +40,7 @@ def draw(figure: FigureCard, data: ReportData) -> Figure:
     drawing = style.figure(4.4)
     current, rise = drawing.subplots(1, 2)
     titles, seen = {}, {}
-    for (name, title), mark in zip(options.cases.items(), style.MARKS, strict=False):
+    for place, ((name, title), mark) in enumerate(zip(options.cases.items(), style.MARKS, strict=False)):
         rows = stages["case"] == name
         if not rows.any():
             continue
@@ -49,8 +49,9 @@ def draw(figure: FigureCard, data: ReportData) -> Figure:
             stages["current_a"][rows], edges, color=mark.colour, linestyle=mark.line, linewidth=1.8, baseline=None
         )
         rise.plot(
-            edges, np.append(0.0, stages["rise_k"][rows]), color=mark.colour, linestyle=mark.line, marker=mark.marker
-        )
+            edges, np.append(0.0, stages["rise_k"][rows]), color=mark.colour, linestyle=mark.line, marker=mark.marker,
+            markevery=slice(1, None), markersize=5.0 + 1.5 * min(4, len(options.cases) - 1 - place),
+        )  # fmt: skip
         time = float(cases["time_s"][cases["case"] == name][0])
         peak = float(cases["peak_k"][cases["case"] == name][0])
         titles[name], seen[name] = f"{title}: {time:.0f} s, {peak:.2f} K", mark

@@ -12,6 +12,7 @@ from pipeline.report import style
 from pipeline.report.records import FigureCard
 
 if TYPE_CHECKING:
+    from matplotlib.artist import Artist
     from matplotlib.figure import Figure
 
     from pipeline.report.tables import ReportData
@@ -38,6 +39,8 @@ def draw(figure: FigureCard, data: ReportData) -> Figure:
     figure : the card; its options name weights and searches.
     data : the searches' courses, and the best objective there is.
     """
+    from matplotlib.patches import Patch
+
     options = figure.chosen()
     assert isinstance(options, Options)
     drawing = style.figure(4.6)
@@ -55,7 +58,11 @@ def draw(figure: FigureCard, data: ReportData) -> Figure:
         titles[name], seen[name] = title, mark
     axes.set_xscale("log")
     axes.set_yscale("log")
-    axes.set_xlabel("Charges computed [1]")
-    axes.set_ylabel("Objective above the best there is, relative [1]")
-    style.legend(drawing, titles, seen)
+    axes.set_xlabel("Charges computed")
+    axes.set_ylabel("Objective above the best there is, as a share of it")
+    keys: list[Artist] = [
+        *style.handles(titles, seen, markers=False),
+        Patch(facecolor=style.GREY, alpha=0.3, label="quartiles about each median"),
+    ]
+    drawing.legend(handles=keys, loc="outside upper center", ncols=4, fontsize=9)
     return drawing

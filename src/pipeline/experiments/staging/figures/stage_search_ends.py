@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from pydantic import Field
@@ -36,11 +36,13 @@ def draw(figure: FigureCard, data: ReportData) -> Figure:
     figure : the card; its options name weights and searches.
     data : the searches' runs.
     """
+    from matplotlib.lines import Line2D
+
     options = figure.chosen()
     assert isinstance(options, Options)
     numbers = data.numbers("staging")
     drawing = style.figure(4.2)
-    fields = drawing.subplots(1, 2, sharex=True, sharey=True)
+    fields = drawing.subplots(1, 2)
     titles, seen = {}, {}
     for (name, title), mark in zip(options.searches.items(), style.MARKS, strict=False):
         source = f"staging_search/{options.weights}/{name}"
@@ -50,15 +52,24 @@ def draw(figure: FigureCard, data: ReportData) -> Figure:
         for axes, early in zip(fields, ("early_", ""), strict=True):
             _cloud(axes, runs[f"{early}time_s"], runs[f"{early}peak_k"], mark)
         titles[name], seen[name] = title, mark
-    for axes, count in zip(fields, ("early_evaluations", "evaluations"), strict=True):
-        axes.set_title(f"after {numbers[count]:.0f} charges")
+    for axes, count, words in zip(fields, ("early_evaluations", "evaluations"), ("", ", enlarged"), strict=True):
+        axes.set_title(f"after {numbers[count]:.0f} charges{words}")
         axes.set_xlabel("Charging time found [s]")
+    for axes in fields:
+        axes.margins(0.06)
     fields[0].set_ylabel("Highest temperature rise [K]")
-    style.legend(drawing, titles, seen, markers=True)
+    keys = []
+    for name, mark in seen.items():
+        keys += [Line2D([], [], label=titles[name], color=mark.colour, marker=mark.marker, linestyle="")]
+        keys += [Line2D([], [], color=mark.colour, label=f"mean of {titles[name]}", **_mean(mark))]
+    drawing.legend(handles=keys, loc="outside upper center", ncols=4)
     return drawing
+
+
+def _mean(mark: style.Mark) -> dict[str, Any]:
+    return {"marker": mark.marker, "markersize": 12, "markerfacecolor": "none", "markeredgewidth": 2.0, "linestyle": ""}
 
 
 def _cloud(axes: Axes, time: np.ndarray, rise: np.ndarray, mark: style.Mark) -> None:
     axes.plot(time, rise, mark.marker, color=mark.colour, markersize=5, alpha=0.55, linestyle="", markeredgewidth=0)
-    axes.plot([time.mean()], [rise.mean()], mark.marker, color=mark.colour, markersize=12, markerfacecolor="none",
-              markeredgewidth=2.0)  # fmt: skip
+    axes.plot([time.mean()], [rise.mean()], color=mark.colour, **_mean(mark))

@@ -52,7 +52,8 @@ def draw(figure: FigureCard, data: ReportData) -> Figure:
     seconds = np.concatenate([[0.0], trace["Test Time / s"]])
     kelvin = np.concatenate([[0.0], trace["Surface Temperature / degC"] - ambient])
     mark = style.MARKS[0]
-    current.step(trace["Test Time / s"], trace["Current / A"], where="pre", color=mark.colour)
+    columns = ("Test Time / s", "Current / A", "current_min_a", "current_max_a")
+    current.plot(*style.stepped(*(trace[name] for name in columns)), color=mark.colour)
     rise.plot(seconds, kelvin, color=mark.colour, label="computed")
     ends = phases["end_s"]
     rise.plot(
@@ -69,7 +70,7 @@ def draw(figure: FigureCard, data: ReportData) -> Figure:
     rise.set_ylabel("Temperature rise [K]")
     rise.set_xlabel("Time [s]")
     rise.set_ylim(0.0, 1.25 * float(kelvin.max()))
-    rise.legend(loc="lower center")
+    rise.legend(loc="lower center", fontsize=9)
     return drawing
 
 
@@ -81,10 +82,10 @@ def _names(axes: Axes, starts: np.ndarray, ends: np.ndarray) -> None:
 
 def _printed(axes: Axes, options: Options, ends: np.ndarray) -> None:
     """Mark what the text says was measured: the highest rise, the rise after the third stage, the end."""
-    mark = style.MARKS[2]
-    axes.axhline(
-        options.highest_k, color=mark.colour, linestyle=mark.line, linewidth=1.2, label="printed, highest measured"
-    )
-    axes.plot(ends[2:3], [options.after_three_k], mark.marker, color=mark.colour, markersize=8, linestyle="",
-              label="printed, highest of S1 to S3")  # fmt: skip
-    axes.axvline(options.end_s, color=mark.colour, linewidth=1.2, label="printed, end")
+    style.published(axes, options.highest_k, f"printed: at most {options.highest_k:g} K")
+    style.published(axes, options.end_s, f"printed: {options.end_s:.0f} s", upright=True, at=0.12)
+    axes.plot(ends[2:3], [options.after_three_k], **style.PUBLISHED_POINT)
+    axes.annotate(
+        f"printed: at most {options.after_three_k:g} K in S1 to S3", (ends[2], options.after_three_k), xytext=(8, -11),
+        textcoords="offset points", color=style.PUBLISHED, fontsize=9,
+    )  # fmt: skip

@@ -24,6 +24,8 @@ class Options(Record):
     """Staged charges that matter."""
 
     cases: dict[str, str] = Field(min_length=1, max_length=7, description="name of a case -> what it is called here")
+    published_s: float | None = Field(default=None, gt=0, description="charging time that the paper gives [s]")
+    published_k: float | None = Field(default=None, gt=0, description="highest rise that the paper gives [K]")
 
 
 _TITLES = {"peak": "highest rise", "final": "rise at the end"}
@@ -39,16 +41,18 @@ def draw(figure: FigureCard, data: ReportData) -> Figure:
     """
     options = figure.chosen()
     assert isinstance(options, Options)
-    drawing = style.figure(6.6)
+    drawing = style.figure(6.9)
     rows = drawing.subplots(2, 2, sharey="row", height_ratios=(3, 4))
     for near, fields in enumerate(rows):
         for axes, reading in zip(fields, _TITLES, strict=True):
             _field(axes, data, reading, options.cases)
             _window(axes, data, reading, near=bool(near))
+            if reading == "peak" and options.published_s is not None and options.published_k is not None:
+                axes.plot(options.published_s, options.published_k, label="published", **style.PUBLISHED_POINT)
         fields[0].set_ylabel("Temperature rise [K]")
     for axes, title in zip(rows[0], _TITLES.values(), strict=True):
         axes.set_title(title)
-    for axes in rows[1]:
+    for axes in rows.ravel():
         axes.set_xlabel("Charging time [s]")
     handles, labels = rows[0, 0].get_legend_handles_labels()
     drawing.legend(handles, labels, loc="outside upper center", ncols=4)
@@ -97,4 +101,13 @@ def _constant(axes: Axes, data: ReportData, reading: str) -> None:
     if all(name in numbers for name in (*times, *rises)):
         points = zip((numbers[name] for name in times), (numbers[name] for name in rises), strict=True)
         time, rise = zip(*points, strict=True)
-        axes.plot(time, rise, "D", color="white", markeredgecolor="#222222", markersize=6, label="constant current")
+        axes.plot(
+            time,
+            rise,
+            "D",
+            color="white",
+            markeredgecolor="#222222",
+            markersize=9,
+            label="constant current",
+            zorder=1.9,
+        )

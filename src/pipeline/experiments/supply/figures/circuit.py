@@ -28,10 +28,14 @@ class Options(Record):
     mode: str = Field(default="cv_reflex", min_length=1, description="mode whose discharge the resistor is drawn for")
 
 
-_CHARGING = ("source", "boost", "bus", "buck", "s2", "s3", "battery")
+_CHARGING = ("buck", "s2", "s3", "battery")
 _DISCHARGING = ("discharge", "s4", "battery")
-_CLOSED = {"system": (), "mode_1": ("s2", "s3"), "mode_2": ("s2", "s4")}
-"""The switches that are on, as section 2.1 states them."""
+_SWITCHES = {
+    "system": {},
+    "mode_1": {"s1": "S1:\nchops", "s2": "S2 on:\nchops", "s3": "S3 on", "s4": "S4 off"},
+    "mode_2": {"s1": "S1:\nchops", "s2": "S2 on", "s3": "S3 off", "s4": "S4 on"},
+}
+"""What each switch does: on or off as section 2.1 states it; those of the converters chop while they are on."""
 
 
 def draw(figure: FigureCard, data: ReportData) -> Figure:
@@ -49,7 +53,7 @@ def draw(figure: FigureCard, data: ReportData) -> Figure:
     options = figure.chosen()
     assert isinstance(options, Options)
     system = data.settings.get("system", {})
-    drawing = style.figure(2.8)
+    drawing = style.figure(2.8 if options.part == "architecture" else 2.45)
     axes = drawing.subplots()
     axes.set_axis_off()
     if not system.get("panel"):
@@ -63,7 +67,7 @@ def draw(figure: FigureCard, data: ReportData) -> Figure:
     lit = {"system": (), "mode_1": _CHARGING, "mode_2": _DISCHARGING}[options.part]
     dim = {"system": (), "mode_1": ("discharge", "s4"), "mode_2": ("s3",)}[options.part]
     circuit = Circuit(axes, lit, dim, style.MARKS[2].colour if options.part == "mode_2" else style.MARKS[0].colour)
-    _circuit(circuit, system, _CLOSED[options.part], _resistance_ohm(system, knobs))
+    _circuit(circuit, system, _SWITCHES[options.part], _resistance_ohm(system, knobs))
     axes.set_title(_title(options.part, knobs))
     return drawing
 
@@ -86,13 +90,18 @@ def _resistance_ohm(system: Mapping[str, Any], knobs: Mapping[str, float]) -> fl
 
 
 def _circuit(
-    circuit: Circuit, system: Mapping[str, Any], closed: tuple[str, ...], resistance_ohm: float | None
+    circuit: Circuit, system: Mapping[str, Any], switches: Mapping[str, str], resistance_ohm: float | None
 ) -> None:
     panel, converter, load, battery = (system[name] for name in ("panel", "converter", "load", "battery"))
+
+    def switch(name: str, part: str, start: tuple[float, float], end: tuple[float, float]) -> None:
+        words = switches.get(name, name.upper())
+        circuit.switch(part, start, end, " on" in words, words)
+
     circuit.part("Solar", "source", (0.0, 0.0), (0.0, 4.0))
     circuit.text((-0.9, 2.0), f"{panel['title']}\n{panel['max_power_w']:g} W", "right")
     circuit.part("Inductor2", "boost", (0.0, 4.0), (2.6, 4.0))
-    circuit.switch("s1", "boost", (2.6, 4.0), (2.6, 0.0), closed=False, name="S1")
+    switch("s1", "boost", (2.6, 4.0), (2.6, 0.0))
     circuit.part("Diode", "boost", (2.6, 4.0), (5.0, 4.0))
     circuit.part("Capacitor", "boost", (5.0, 4.0), (5.0, 0.0))
     circuit.text((2.5, 4.75), f"boost, {_efficiency(converter['boost'])}")
@@ -100,13 +109,13 @@ def _circuit(
     circuit.part("RBox", "load", (7.0, 4.0), (7.0, 0.0))
     circuit.text((7.5, 2.0), load["title"].replace(" ", "\n") + f"\n{load['power_w']:g} W", "left")
     circuit.text((6.0, 4.75), f"bus {converter['bus_voltage_v']:g} V")
-    circuit.switch("s2", "s2", (7.0, 4.0), (9.8, 4.0), "s2" in closed, "S2")
+    switch("s2", "s2", (7.0, 4.0), (9.8, 4.0))
     circuit.part("Diode", "buck", (9.8, 0.0), (9.8, 4.0))
     circuit.part("Inductor2", "buck", (9.8, 4.0), (12.2, 4.0))
     circuit.part("Capacitor", "buck", (12.2, 4.0), (12.2, 0.0))
     circuit.text((11.0, 4.75), f"buck, {_efficiency(converter['buck'])}")
-    circuit.switch("s3", "s3", (12.2, 4.0), (14.6, 4.0), "s3" in closed, "S3")
-    circuit.switch("s4", "s4", (14.6, 4.0), (14.6, 2.0), "s4" in closed, "S4")
+    switch("s3", "s3", (12.2, 4.0), (14.6, 4.0))
+    switch("s4", "s4", (14.6, 4.0), (14.6, 2.0))
     circuit.part("Resistor", "discharge", (14.6, 2.0), (14.6, 0.0))
     if resistance_ohm is not None:
         circuit.text((15.1, 1.0), f"{resistance_ohm:.3g} Ω", "left")
@@ -136,6 +145,10 @@ def _architecture(circuit: Circuit, system: Mapping[str, Any]) -> None:
     circuit.arrow((10.0, 0.95), (10.0, 2.65), "PWM", beside=True, part="signal")
     circuit.arrow((15.0, 2.65), (15.0, 0.0), part="signal", ends_at=(11.95, 0.0))
     circuit.text((15.2, 1.2), "voltage, current,\ntemperature", "left")
+    circuit.arrow((-1.9, 0.5), (-0.6, 0.5))
+    circuit.text((-0.4, 0.5), "power", "left")
+    circuit.arrow((-1.9, -0.3), (-0.6, -0.3), part="signal")
+    circuit.text((-0.4, -0.3), "measured and set", "left")
     circuit.done((-2.3, 18.6), (-1.2, 5.0))
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from itertools import cycle
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -22,7 +23,7 @@ Options = NoOptions
 
 _REFERENCE = {"irradiance_w_m2": 1000.0, "cell_temperature_c": 25.0}
 _UNITS = {"irradiance_w_m2": "W/m²", "cell_temperature_c": "°C"}
-_MAPS = {"irradiance_w_m2": "viridis_r", "cell_temperature_c": "plasma"}
+_MAPS = {"irradiance_w_m2": "viridis", "cell_temperature_c": "plasma"}
 
 
 def draw(figure: FigureCard, data: ReportData) -> Figure:
@@ -66,11 +67,17 @@ def _family(
     import matplotlib
 
     values = np.unique(points[varied][points[kept] == at])
-    shades = matplotlib.colormaps[_MAPS[varied]](np.linspace(0.15, 0.85, len(values)))
-    for value, shade in zip(values, shades, strict=True):
+    shades = matplotlib.colormaps[_MAPS[varied]](np.linspace(0.0, 0.72, len(values)))
+    for value, shade, mark in zip(values, shades, cycle(style.MARKS), strict=False):
         rows = (curves[kept] == at) & (curves[varied] == value)
-        axes.plot(curves["voltage_v"][rows], curves[quantity][rows], color=shade, label=f"{value:g} {_UNITS[varied]}")
+        axes.plot(
+            curves["voltage_v"][rows],
+            curves[quantity][rows],
+            color=shade,
+            linestyle=mark.line,
+            label=f"{value:g} {_UNITS[varied]}",
+        )
         point = (points[kept] == at) & (points[varied] == value)
         axes.plot(points["max_power_voltage_v"][point], points[peak][point], "o", color=shade, markeredgecolor="white")
     if quantity == "power_w":
-        axes.legend(loc="upper left", reverse=varied == "irradiance_w_m2", handlelength=1.6, fontsize=9)
+        axes.legend(loc="upper left", reverse=varied == "irradiance_w_m2", handlelength=3.0, fontsize=9)

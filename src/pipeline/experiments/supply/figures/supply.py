@@ -55,11 +55,9 @@ def _cascade(axes: Axes, supply: dict[str, float]) -> None:
         ("available to the battery", 0.0, supply["battery_power_w"], True),
     ]
     for place, (_, low, high, is_level) in enumerate(levels):
-        colour = style.PARTS[0] if is_level else style.PARTS[2]
-        axes.barh(
-            place, high - low, left=low, color=colour, height=0.62, hatch="" if is_level else "///", edgecolor="white"
-        )
-        sign = "" if is_level else "-"
+        look = style.filled(style.PARTS[0] if is_level else style.Part(style.PARTS[2].colour, "//"))
+        axes.barh(place, high - low, left=low, height=0.62, **look)
+        sign = "" if is_level else "\N{MINUS SIGN}"
         axes.text(high, place, f"  {sign}{high - low:.2f} W", va="center")
     axes.set_yticks(range(len(levels)), [name for name, *_ in levels])
     axes.invert_yaxis()

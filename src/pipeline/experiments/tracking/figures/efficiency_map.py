@@ -29,6 +29,8 @@ _PATHS = {
     "switching_w": "switching",
     "control_w": "control",
 }
+_SEEN_PERCENT = 0.5
+"""A layer that is nowhere thicker than this share of the input is told in words."""
 _VARIED = {"boost": ("source_v", "panel"), "buck": ("sink_v", "battery")}
 
 
@@ -67,8 +69,10 @@ def draw(figure: FigureCard, data: ReportData) -> Figure:
         fields[1, column].set_xlabel("Input power [W]")
     fields[0, 0].set_ylabel("Efficiency [%]")
     fields[1, 0].set_ylabel("Losses [% of the input]")
-    handles, labels = fields[1, 1].get_legend_handles_labels()
-    drawing.legend(handles, labels, loc="outside lower center", ncols=4)
+    handles, _ = fields[1, 1].get_legend_handles_labels()
+    names = [_most(found, path) for path in _PATHS]
+    if handles:
+        drawing.legend(handles, names, loc="outside lower center", ncols=4, fontsize=9, handlelength=2.0)
     return drawing
 
 
@@ -96,5 +100,15 @@ def _losses(axes: Axes, own: Columns, which: str) -> None:
     name, _ = _VARIED[which]
     voltages = np.unique(own[name])
     at = own[name] == voltages[len(voltages) // 2]
-    parts = [100.0 * own[path][at] / own["power_w"][at] for path in _PATHS]
-    axes.stackplot(own["power_w"][at], parts, labels=list(_PATHS.values()), colors=style.PARTS)
+    below = np.zeros(np.count_nonzero(at))
+    for (path, words), part in zip(_PATHS.items(), style.PARTS, strict=False):
+        above = below + 100.0 * own[path][at] / own["power_w"][at]
+        axes.fill_between(own["power_w"][at], below, above, label=words, **style.filled(part))
+        below = above
+    axes.set_ylim(bottom=0.0)
+
+
+def _most(found: Columns, path: str) -> str:
+    """Return how a path is called, with its largest share where that is too thin a layer to be seen."""
+    most = 100.0 * float(np.max(found[path] / found["power_w"]))
+    return f"{_PATHS[path]}, at most {most:.1g} %" if most < _SEEN_PERCENT else _PATHS[path]

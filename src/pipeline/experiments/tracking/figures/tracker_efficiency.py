@@ -41,13 +41,15 @@ def draw(figure: FigureCard, data: ReportData) -> Figure:
     fields = drawing.subplots(1, len(groups), sharey=True, squeeze=False)[0]
     marks = style.marks(list(names))
     for axes, group in zip(fields, groups, strict=True):
-        for name, mark in marks.items():
+        for later, (name, mark) in zip(range(len(marks) - 1, -1, -1), marks.items(), strict=True):
             own = (found["group"] == group) & (found["tracker"] == name)
             missed = 100.0 * np.maximum(1.0 - found["efficiency"][own], 1e-6)
+            line = mark.line if np.count_nonzero(own) > 2 else ""
             axes.loglog(
-                found["slope_w_m2_s"][own], missed, color=mark.colour, linestyle=mark.line, marker=mark.marker,
-                markersize=4,
+                found["slope_w_m2_s"][own], missed, color=mark.colour, linestyle=line, marker=mark.marker,
+                markersize=4.0 + 1.2 * later,
             )  # fmt: skip
+        axes.margins(x=0.12)
         low, high = (found[f"{end}_w_m2"][found["group"] == group][0] for end in ("low", "high"))
         axes.set_title(f"{low:g} to {high:g} W/m²")
         axes.set_xlabel("Slope [W/m²/s]")

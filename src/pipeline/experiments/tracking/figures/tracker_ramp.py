@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+import numpy as np
+
 from pipeline.experiments.tracking.figures._titles import titles
 from pipeline.report import style
 from pipeline.report.records import FigureCard, NoOptions
@@ -16,6 +18,10 @@ if TYPE_CHECKING:
 
 READS = ("tracking",)
 Options = NoOptions
+
+
+_SMALLEST_W = 0.05
+"""Where the logarithmic axis of what is not captured begins."""
 
 
 def draw(figure: FigureCard, data: ReportData) -> Figure:
@@ -31,7 +37,7 @@ def draw(figure: FigureCard, data: ReportData) -> Figure:
     The figure; it says so where no trackers were tried.
     """
     drawing = style.figure(5.6)
-    fields = drawing.subplots(3, 1, sharex=True, height_ratios=(2.0, 1.2, 1.2))
+    fields = drawing.subplots(3, 1, sharex=True, height_ratios=(1.6, 1.6, 1.2))
     fields[0].set_ylabel("Panel power [W]")
     fields[1].set_ylabel("Not captured [W]")
     fields[2].set_ylabel("Panel voltage [V]")
@@ -41,14 +47,18 @@ def draw(figure: FigureCard, data: ReportData) -> Figure:
         return drawing
     found, names = data.table("tracking", "course"), titles(data)
     marks = style.marks(list(names))
-    for name, mark in marks.items():
+    for later, (name, mark) in zip(range(len(marks) - 1, -1, -1), marks.items(), strict=True):
         own = {key: column[found["tracker"] == name] for key, column in found.items()}
-        look = {"color": mark.colour, "linestyle": mark.line, "linewidth": 1.1}
+        look = {"color": mark.colour, "linestyle": mark.line, "linewidth": 1.0 + 0.4 * later}
         fields[0].plot(own["time_s"], own["power_w"], **look)
-        fields[1].plot(own["time_s"], own["available_w"] - own["power_w"], **look)
+        fields[1].plot(own["time_s"], np.maximum(own["available_w"] - own["power_w"], _SMALLEST_W), **look)
         fields[2].plot(own["time_s"], own["voltage_v"], **look)
+    fields[1].set_yscale("log")
+    fields[1].set_ylim(bottom=_SMALLEST_W)
     first = found["tracker"] == next(iter(names))
-    fields[0].plot(found["time_s"][first], found["available_w"][first], color=style.GREY, linewidth=0.8)
+    fields[0].plot(
+        found["time_s"][first], found["available_w"][first], color=style.GREY, linewidth=0.8, label="_reference"
+    )
     fields[0].annotate(
         "available", (0.0, 1.0), xycoords="axes fraction", xytext=(4, -12), textcoords="offset points", color=style.GREY
     )

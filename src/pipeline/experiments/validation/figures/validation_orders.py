@@ -58,7 +58,7 @@ def draw(figure: FigureCard, data: ReportData) -> Figure:
         axes.set_xlabel(sentence(across))
         axes.xaxis.set_minor_formatter(NullFormatter())
         axes.legend(loc="lower right")
-    fields[0, 0].set_ylabel("Relative error [1]")
+    fields[0, 0].set_ylabel("Relative error")
     return drawing
 
 
