@@ -14,7 +14,7 @@ import pytest
 from pipeline.kernel.places import PACKAGE
 
 # What stands under every room.
-FOUNDATION = {"errors", "jit", "quantity", "record"}
+FOUNDATION = {"errors", "jit", "own_files", "quantity", "record"}
 PHYSICS = {
     *("bus", "cell", "charge", "converter", "day", "files", "grnn", "objective", "panel", "search", "taguchi"),
     *("tracker", "weather"),

@@ -13,7 +13,7 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 from pipeline.errors import UserError, best_matches
-from pipeline.kernel.digest import of_file
+from pipeline.own_files import digest
 from pipeline.record import OwnFile, Record
 
 MOST_BYTES = 1 << 30
@@ -107,16 +107,6 @@ def text_of(content: Content) -> tuple[str, tuple[str, ...]]:
         return data.decode("utf-8"), ()
     except UnicodeDecodeError:
         return data.decode("cp1252", errors="replace"), ("encoded in Latin-1 (Windows-1252)",)
-
-
-def digest(path: Path) -> str:
-    """Return the sha256 of a file's content as it lies there; empty where it cannot be read."""
-    try:
-        if not path.is_file():
-            return ""
-        return of_file(path)
-    except (OSError, ValueError):
-        return ""
 
 
 def _refuse_no_file(path: Path) -> None:

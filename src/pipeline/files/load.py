@@ -18,12 +18,12 @@ from pipeline.errors import UserError
 from pipeline.files import headings, profiles, quantities
 from pipeline.files.cells import Table
 from pipeline.files.clock import Clock, clock_of, local_s, placed
-from pipeline.files.content import digest
 from pipeline.files.days import midnight_s, span, usual_step_s
 from pipeline.files.headings import values
 from pipeline.files.moments import DAY_S
 from pipeline.files.read import table
 from pipeline.files.weather import date_of, weather_rows
+from pipeline.own_files import digest
 from pipeline.record import OwnFile
 from pipeline.weather.records import Weather
 

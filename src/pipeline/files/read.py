@@ -16,7 +16,8 @@ import pyarrow.parquet as pq
 
 from pipeline.errors import UserError, best_matches
 from pipeline.files.cells import Row, Stamp, Table, data_like, table_of
-from pipeline.files.content import Content, digest, is_excel, load, text_of
+from pipeline.files.content import Content, is_excel, load, text_of
+from pipeline.own_files import digest
 from pipeline.record import OwnFile
 
 _DELIMITERS = {";": "semicolons", "\t": "tabs", "|": "bars", ",": "commas", " ": "spaces"}

@@ -14,12 +14,13 @@ from pipeline.errors import UserError
 from pipeline.files import headings, pvlib_files
 from pipeline.files.cells import Preamble, Table, number
 from pipeline.files.clock import Clock, Zone, clock_of, placed
-from pipeline.files.content import Content, digest, is_excel, load, text_of
+from pipeline.files.content import Content, is_excel, load, text_of
 from pipeline.files.days import date_of, span
 from pipeline.files.headings import Found
 from pipeline.files.moments import DAY_S
 from pipeline.files.pvlib_files import BY_NAME, Header, Known, taken_for
 from pipeline.files.read import of_content
+from pipeline.own_files import digest
 from pipeline.weather.records import LIGHT, MeasuredWeather
 from pipeline.weather.transposition import enough
 
