@@ -4,7 +4,7 @@ VENV := .venv
 BIN := $(VENV)/bin
 CORES ?= 2
 
-.PHONY: all test test-slow test-struck lint bench bench-slow faults faults-short fuzz fuzz-short validate accuracy \
+.PHONY: all test test-slow test-struck test-browser browser-setup lint bench bench-slow faults faults-short fuzz fuzz-short validate accuracy \
 	reproduce reproduce-generic expected setup setup-dev lock clean help
 
 all: setup ## run every study: results/ and reports/
@@ -18,6 +18,13 @@ test-slow: setup-dev ## run the tests that take minutes
 
 test-struck: setup-dev ## every kind of damage by both commands, cold runs against what is expected: an hour
 	$(BIN)/python -m pytest -n $(CORES) --dist loadgroup -m struck
+
+test-browser: browser-setup ## look at the pages in Chromium: quiet, reachable, readable; screenshots under results/
+	$(BIN)/python -m pytest -n 0 -m browser tests/browser
+
+browser-setup: setup-dev ## what drives Chromium; the browser itself is Debian's: apt-get install chromium
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check --no-deps --require-hashes -r requirements-browser.lock
+	@command -v chromium chromium-browser google-chrome >/dev/null || echo "no Chromium here: apt-get install chromium"
 
 fuzz: setup-dev ## wrong input at every front door: 1500 configurations, 340 files, 40 real commands a door; half an hour
 	$(BIN)/python -m tests.fuzz

@@ -42,8 +42,9 @@ def test_the_script_gives_the_traces_to_the_page() -> None:
     trace = Trace("a/b", 'CC-CV "</script>', "peak", 1, np.array([0.0, 0.5]), {"Voltage [V]": np.array([2.0, 1 / 3])})
     text = script([trace])
     assert text.startswith("window.TRACES = ")
+    assert "</script" not in text
     (found,) = json.loads(text.removeprefix("window.TRACES = ").rstrip(";\n"))
-    assert found["time"] == [0, 0.5]
+    assert (found["title"], found["time"]) == ('CC-CV "</script>', [0, 0.5])
     assert found["quantities"] == {"Voltage [V]": [2, 0.33333]}
 
 

@@ -1,9 +1,11 @@
-"""`python -m pipeline report [RUN]`: the verdicts of a published run in the terminal, and where its page is."""
+"""`python -m pipeline report [RUN]`: the verdicts of a run in the terminal, and its page, as one file where asked."""
 
 from __future__ import annotations
 
 import argparse
+import base64
 import json
+import re
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
@@ -14,18 +16,23 @@ from rich.table import Table
 
 from pipeline.errors import UserError, best_matches
 from pipeline.kernel import publish, tables
-from pipeline.kernel.store import RESULTS
+from pipeline.kernel.store import REPORTS, RESULTS
 from pipeline.published.answer import ANSWER
 from pipeline.published.evaluate import VERDICTS
 from pipeline.published.words import counted
+from pipeline.report.pages import TRACES
 
 
 def main(arguments: Sequence[str]) -> int:
-    """Print a run's verdicts; return 0."""
+    """Print a run's verdicts, or write its page as one file; return 0."""
     parser = argparse.ArgumentParser(prog="python -m pipeline report", description=__doc__)
     parser.add_argument("run", nargs="?", default="solar_reflex/default", help="study/run (%(default)s)")
-    run = parser.parse_args(arguments).run.removeprefix(f"{RESULTS}/").strip("/")
+    parser.add_argument("--single-file", type=Path, metavar="FILE", help="write the page with all it shows in one file")
+    options = parser.parse_args(arguments)
+    run = options.run.removeprefix(f"{RESULTS}/").removeprefix(f"{REPORTS}/").strip("/")
     run = run if "/" in run else f"{run}/default"
+    if options.single_file is not None:
+        return _single(run, options.single_file)
     path = RESULTS / run / "published" / "verdicts.parquet"
     if not path.is_file():
         raise UserError(_unpublished(run))
@@ -35,6 +42,41 @@ def main(arguments: Sequence[str]) -> int:
     _print(tables.read(VERDICTS, path))
     print(f"\nthe page: {Path('reports') / run / 'index.html'}")
     return 0
+
+
+def _single(run: str, target: Path) -> int:
+    folder = Path(REPORTS) / run
+    if not (folder / "index.html").is_file():
+        raise UserError(_unpublished(run))
+    try:
+        target.write_text(single_file(folder), encoding="utf-8")
+    except OSError as error:
+        raise UserError(f"{target}: {error.strerror}") from None
+    print(f"the page: {target}, {target.stat().st_size / 1e6:.1f} MB")
+    return 0
+
+
+def single_file(folder: Path) -> str:
+    """Return the page in a folder with its figures and scripts in it; what leads to other pages is left out."""
+    kinds = {".svg": "image/svg+xml", ".png": "image/png"}
+
+    def picture(found: re.Match[str]) -> str:
+        file = folder / found[2]
+        data = base64.b64encode(file.read_bytes()).decode()
+        return f'{found[1]}="data:{kinds[file.suffix]};base64,{data}"'
+
+    def script(found: re.Match[str]) -> str:
+        file = folder / found[1]
+        text = file.read_text(encoding="utf-8") if file.is_file() and ".." not in found[1] else ""
+        return f"<script>\n{text}</script>" if text else ""
+
+    page = (folder / "index.html").read_text(encoding="utf-8")
+    page = re.sub(r'(src)="(figures/[^"]+)"', picture, page)
+    page = re.sub(r'<a (?:class="\w+" )?href="(?:figures|tables|\.\.)/[^"]*">(.*?)</a>', r"\1", page, flags=re.DOTALL)
+    traces = folder / TRACES
+    if traces.is_file():
+        page = page.replace("</main>", f"</main>\n<script>{traces.read_text(encoding='utf-8')}</script>", 1)
+    return re.sub(r'<script src="([^"]+)" defer></script>\n?', script, page)
 
 
 def _unpublished(run: str) -> str:

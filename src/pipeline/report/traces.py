@@ -93,7 +93,9 @@ def script(traces: Sequence[Trace]) -> str:
                 "quantities": {name: _rounded(values[places], 5) for name, values in trace.quantities.items()},
             }
         )
-    return f"window.TRACES = {json.dumps(listed, ensure_ascii=False, separators=(',', ':'), allow_nan=False)};\n"
+    # A page may hold the script itself, which a closing tag in a title would end.
+    text = json.dumps(listed, ensure_ascii=False, separators=(",", ":"), allow_nan=False).replace("</", "<\\/")
+    return f"window.TRACES = {text};\n"
 
 
 def _rounded(values: Series, digits: int) -> list[float]:

@@ -25,7 +25,7 @@
     if (!target) return;
     if (target.closest(".verdict, .claim")) one(".filter")?.dispatchEvent(new CustomEvent("clear", { detail: target }));
     unfold(target);
-    if (target.id !== "explorer" || !address().query.toString()) target.scrollIntoView();
+    target.scrollIntoView();
   };
 
   // Verdicts by word and text.
@@ -154,5 +154,9 @@
   document.addEventListener("toggle", regions, true);
   window.addEventListener("beforeprint", () => {
     for (const picture of all("img[loading=lazy]")) picture.loading = "eager";
+    for (const claim of all(".claim:not([open])")) {
+      claim.open = true;
+      window.addEventListener("afterprint", () => { claim.open = false; }, { once: true });
+    }
   });
 })();
