@@ -15,7 +15,7 @@ from pipeline.kernel import registry
 from pipeline.kernel.scope import below
 from pipeline.record import Record
 
-Kind = Literal["published", "data_sheet", "derived", "estimate", "calibrated", "override", "found"]
+Kind = Literal["published", "data_sheet", "derived", "estimate", "calibrated", "fitted", "override", "found"]
 
 
 class Source(Record):
@@ -23,7 +23,8 @@ class Source(Record):
 
     `to` names the published statement, `<study>.<statement>`, that it or the model it enters was fitted to. `range`
     says over which values an estimate is plausible, in the value's own unit; `same_as` names the key beside it whose
-    value it follows there.
+    value it follows there. `file` names the measurement that a value was fitted to; `valid` says from where to where
+    that went: `soc` [1], `c_rate` [C-rate], `temperature_c` [degC].
     """
 
     kind: Kind
@@ -31,11 +32,15 @@ class Source(Record):
     to: str | None = None
     range: tuple[float, float] | None = None
     same_as: str | None = None
+    file: str = ""
+    valid: dict[Literal["soc", "c_rate", "temperature_c"], tuple[float, float]] | None = None
 
     @model_validator(mode="after")
     def _complete(self) -> Source:
         if self.kind == "calibrated" and not self.to:
             raise ValueError("a calibrated value must say `to` which published statement")
+        if self.kind == "fitted" and not self.file:
+            raise ValueError("a fitted value must say to which `file`")
         if self.kind in ("published", "data_sheet", "derived") and not self.ref:
             raise ValueError(f"a {self.kind} value needs a `ref`")
         if self.range is not None and not self.range[0] < self.range[1]:
@@ -126,7 +131,7 @@ def attribute(
     if missing:
         raise UserError(
             "parameters without a source (add it to `sources:` beside the value, "
-            "{kind: published | data_sheet | derived | estimate | calibrated, ref: ...}):\n" + "\n".join(missing)
+            "{kind: published | data_sheet | derived | estimate | calibrated | fitted, ref: ...}):\n" + "\n".join(missing)
         )
     return result
 

@@ -26,7 +26,14 @@ class Row(NamedTuple):
     comment: bool = False
 
 
-def table_of(path: Path, rows: Sequence[Row], place: str, decimal: str = "auto", said: tuple[str, ...] = ()) -> Table:
+def table_of(
+    path: Path,
+    rows: Sequence[Row],
+    place: str,
+    decimal: str = "auto",
+    said: tuple[str, ...] = (),
+    doubled: bool = False,
+) -> Table:
     """Find the headings and the data among rows.
 
     The data are the rows of the commonest length most of whose cells are numbers or times. Their headings are the last
@@ -37,6 +44,7 @@ def table_of(path: Path, rows: Sequence[Row], place: str, decimal: str = "auto",
     rows : every row that is not empty, in order.
     place : what rows are called in messages.
     decimal : decimal sign, or "auto".
+    doubled : whether a heading may stand there twice; the later ones are then numbered.
 
     Raises
     ------
@@ -57,6 +65,8 @@ def table_of(path: Path, rows: Sequence[Row], place: str, decimal: str = "auto",
         units = {name: str(cell).strip() for name, cell in zip(names, data[0].cells, strict=False) if cell}
         data = data[1:]
     data, footers = _without_footers(data, len(names))
+    if doubled:
+        names = _numbered(names)
     _refuse_twice(path, names, place, rows[heading].number)
     sample = [cell for row in data[:_SAMPLE] for cell in row.cells if isinstance(cell, str)]
     sign = decimal_of(sample) if decimal == "auto" else decimal
@@ -77,6 +87,8 @@ def data_like(cells: Sequence[Any]) -> bool:
     """Tell whether cells are those of data: half of those that are filled are numbers or times, in two the first is."""
     filled = [cell for cell in cells if cell is not None and cell != ""]
     marks = [_is_value(cell) for cell in filled]
+    if len(filled) == 2 and all(marks) and isinstance(filled[0], str) and _TIMELIKE.fullmatch(filled[0].strip()):
+        return True  # a time and one value, the cells of other sensors empty
     if len(filled) <= 2:
         return bool(marks) and marks[0] and len(filled) == len([cell for cell in cells if cell is not None])
     return 2 * sum(marks) >= len(filled)
@@ -159,6 +171,16 @@ def _columns(names: Sequence[str], data: Sequence[Row]) -> dict[str, list[Any]]:
         else:
             whole.append([Torn(len(cells), wide)] * wide)
     return {name: [cells[place] for cells in whole] for place, name in enumerate(names) if name}
+
+
+def _numbered(names: Sequence[str]) -> list[str]:
+    """Return headings with those that stood there before numbered from 2, as `Loop #2`."""
+    seen: Counter[str] = Counter()
+    found = []
+    for name in names:
+        seen[name] += 1
+        found.append(f"{name} #{seen[name]}" if name and seen[name] > 1 else name)
+    return found
 
 
 def _refuse_twice(path: Path, names: Sequence[str], place: str, number: int) -> None:

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from pipeline.errors import UserError, best_matches
 
-IRRADIANCE, TEMPERATURE, SPEED, POWER, TIME, RATE, GRADIENT, NONE = (
+IRRADIANCE, TEMPERATURE, SPEED, POWER, TIME, RATE, GRADIENT, VOLTAGE, CURRENT, NONE = (
     "irradiance",
     "temperature",
     "speed",
@@ -20,6 +20,8 @@ IRRADIANCE, TEMPERATURE, SPEED, POWER, TIME, RATE, GRADIENT, NONE = (
     "time",
     "rate",
     "gradient",
+    "voltage",
+    "current",
     "none",
 )
 BASE = {
@@ -30,6 +32,8 @@ BASE = {
     TIME: "s",
     RATE: "C",
     GRADIENT: "degC per unit of time",
+    VOLTAGE: "V",
+    CURRENT: "A",
     NONE: "1",
 }
 
@@ -90,6 +94,12 @@ _KNOWN: dict[str, dict[str, Unit]] = {
     },
     RATE: {"c": Unit(1.0), "1/h": Unit(1.0), "c-rate": Unit(1.0)},
     GRADIENT: {},
+    VOLTAGE: {**dict.fromkeys(("v", "volt", "volts"), Unit(1.0)), "mv": Unit(1e-3), "uv": Unit(1e-6)},
+    CURRENT: {
+        **dict.fromkeys(("a", "amp", "amps", "ampere", "amperes"), Unit(1.0)),
+        "ma": Unit(1e-3),
+        **dict.fromkeys(("ua", "µa"), Unit(1e-6)),
+    },
     NONE: {},
 }
 _BRACKETS = re.compile(r"^(.*?)\s*[(\[{]\s*([^()\[\]{}]*?)\s*[)\]}]+\s*$")

@@ -24,13 +24,14 @@ _DELIMITERS = {";": "semicolons", "\t": "tabs", "|": "bars", ",": "commas", " ":
 _SAMPLE = 400
 
 
-def read(content: Content, decimal: str = "auto") -> Table:
+def read(content: Content, decimal: str = "auto", doubled: bool = False) -> Table:
     """Return the table of a text file.
 
     Arguments
     ---------
     content : the file.
     decimal : decimal sign, or "auto".
+    doubled : whether headings may stand there twice.
 
     Raises
     ------
@@ -44,7 +45,7 @@ def read(content: Content, decimal: str = "auto") -> Table:
     rows = _text_table_rows(content, lines, delimiter)
     if delimiter != ",":
         said = (*said, f"columns divided by {_DELIMITERS[delimiter]}")
-    return table_of(content.path, rows, "line", decimal, (*content.said, *said))
+    return table_of(content.path, rows, "line", decimal, (*content.said, *said), doubled)
 
 
 def delimiter_of(lines: Sequence[str]) -> str:
@@ -139,7 +140,7 @@ def _stamp(seconds: float, universal: bool) -> Stamp | str:
     return Stamp(seconds, universal) if 0.0 <= abs(seconds) < _LATEST_S else f"{seconds:g} s after 1970"
 
 
-def excel(content: Content, sheet: str | None, decimal: str = "auto") -> Table:
+def excel(content: Content, sheet: str | None, decimal: str = "auto", doubled: bool = False) -> Table:
     """Return the table of a sheet of an Excel workbook: the named one, or the first that holds data.
 
     Raises
@@ -167,7 +168,8 @@ def excel(content: Content, sheet: str | None, decimal: str = "auto") -> Table:
     if chosen is None:
         chosen = next(iter(held))
     others = f" of {len(names)}" if len(names) > 1 else ""
-    return table_of(content.path, held[chosen], "row", decimal, (*content.said, f"sheet {chosen!r}{others}"))
+    said = (*content.said, f"sheet {chosen!r}{others}")
+    return table_of(content.path, held[chosen], "row", decimal, said, doubled)
 
 
 def _rows(sheet: Any) -> list[Row]:
@@ -214,10 +216,10 @@ def _table(path: Path, sheet: str | None, decimal: str, content: str) -> Table:
     return of_content(load(path, sheet), sheet, decimal)
 
 
-def of_content(content: Content, sheet: str | None = None, decimal: str = "auto") -> Table:
+def of_content(content: Content, sheet: str | None = None, decimal: str = "auto", doubled: bool = False) -> Table:
     """Return the table of bytes: Parquet and Excel by what they begin with, else text; errors as for `table`."""
     if content.data.startswith(_PARQUET) or content.name.lower().endswith((".parquet", ".pq")):
         return parquet(content)
     if is_excel(content.data):
-        return excel(content, sheet, decimal)
-    return read(content, decimal)
+        return excel(content, sheet, decimal, doubled)
+    return read(content, decimal, doubled)

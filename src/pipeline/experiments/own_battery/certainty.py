@@ -1,0 +1,218 @@
+"""How well a fit knows its numbers: covariance, profiles, what is not identified, draws from the fit's distribution.
+
+Residuals of a replay go together over many rows. The information of n rows is therefore taken to be that of the
+effective n / (1 + 2 sum rho_k), with the autocorrelation rho of the residuals in the order of the rows, summed up to
+where two neighbours of it no longer come to more than nothing (Geyer, Statistical Science 7 (1992) 473).
+"""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pipeline.experiments.own_battery.fitting import Problem, Result, solve
+from pipeline.experiments.own_battery.unknowns import Model
+
+Array = NDArray[np.float64]
+NORMAL_95 = 1.959963984540054
+_CHI2_95 = NORMAL_95**2
+_AT_BOUND = 1e-3
+_ROUNDS = 4
+
+
+class Certainty(NamedTuple):
+    """What a fit knows.
+
+    Arguments
+    ---------
+    covariance : of the vector, (d, d).
+    low, high : ends of the 95 % intervals of its numbers, logarithms where these count, from profiles where these were
+        taken, (d,) each.
+    identified : whether a number is known better than before the measurement, (d,).
+    rows, effective : rows of voltage that the fit saw, and how many independent ones they are worth.
+    """
+
+    covariance: Array
+    low: Array
+    high: Array
+    identified: NDArray[np.bool_]
+    rows: int
+    effective: float
+
+
+def inflation(residuals: Array) -> float:
+    """Return by how much the variance of a mean of residuals is above that of independent ones, at least 1."""
+    count = len(residuals)
+    if count < 8 or not np.any(residuals):
+        return 1.0
+    size = 1 << (2 * count - 1).bit_length()
+    spectrum = np.abs(np.fft.rfft(residuals, size)) ** 2
+    covariance = np.fft.irfft(spectrum, size)[:count]
+    rho = covariance / covariance[0]
+    pairs = rho[1 : count - 1 : 2] + rho[2:count:2]
+    # Of white residuals the first pair is noise about nothing and stops the sum.
+    stop = int(np.argmax(pairs <= 2.0 / math.sqrt(count))) if (pairs <= 2.0 / math.sqrt(count)).any() else len(pairs)
+    return float(max(1.0, 1.0 + 2.0 * pairs[:stop].sum()))
+
+
+def covariance_of(problem: Problem, vector: Array, robust: float) -> tuple[Array, float]:
+    """Return the covariance of a vector, and the effective number of rows of voltage.
+
+    A sandwich: bread from the curvature of the loss, filling from the spread of the residuals, each kind of sensor
+    inflated by its own autocorrelation.
+    """
+    slopes, missed = problem.slopes(vector), problem.function(vector)
+    weight = 1.0 / np.sqrt(1.0 + (missed / robust) ** 2)
+    volts, warm = problem.voltages, problem.temperatures
+    kinds = [slice(0, volts), slice(volts, volts + warm)]
+    bread = slopes.T @ (weight[:, None] * slopes)
+    before = slopes[volts + warm :]
+    filling = before.T @ before
+    effective = float(volts)
+    for kind in kinds:
+        if kind.stop <= kind.start:
+            continue
+        scores = weight[kind] * missed[kind]
+        factor = inflation(scores)
+        spread = float(np.mean(scores**2)) * len(scores) / max(len(scores) - len(vector), 1)
+        filling += spread * factor * slopes[kind].T @ slopes[kind]
+        effective = min(effective, volts / factor) if kind.start == 0 else effective
+    inverse = _inverse(bread)
+    return inverse @ filling @ inverse, effective
+
+
+def _inverse(matrix: Array) -> Array:
+    """Return the inverse of a positive matrix whose scales differ by orders; directions without curvature stay wide."""
+    scale = np.sqrt(np.maximum(np.diag(matrix), 1e-30))
+    values, vectors = np.linalg.eigh(matrix / np.outer(scale, scale))
+    kept = np.maximum(values, 1e-13 * values[-1])
+    return np.asarray((vectors / kept) @ vectors.T / np.outer(scale, scale))
+
+
+def _shares(model: Model, vector: Array, spread: Array) -> Array:
+    """Return each interval's half-width over that of its prior; without end for a number at a bound."""
+    share = NORMAL_95 * np.sqrt(np.maximum(spread, 0.0)) / model.priors()
+    low, high = model.bounds()
+    reach = _AT_BOUND * (high - low)
+    table = np.array([".value." in path for path in model.paths], dtype=bool)
+    return np.where(~table & ((vector < low + reach) | (vector > high - reach)), np.inf, share)
+
+
+def settle(problem: Problem, vector: Array, robust: float) -> tuple[Problem, Result, list[str]]:
+    """Let numbers that the measurement does not tell keep their priors, the worst first, and fit the others again.
+
+    Points of tables stay, since each goes with the points beside it; they are only told apart in the end.
+
+    Returns
+    -------
+    The problem of what is left, its fit, and the key paths of what keeps its prior.
+    """
+    left: list[str] = []
+    result = solve(problem, vector, robust, 20)
+    for _ in range(_ROUNDS):
+        covariance, _ = covariance_of(problem, result.vector, robust)
+        dropped = _drop(problem.model, result.vector, covariance)
+        if not dropped:
+            break
+        left += dropped
+        kept = np.array([path not in dropped for path in problem.model.paths], dtype=bool)
+        model = problem.model.without(dropped)
+        evaluations = problem.evaluations
+        problem = Problem(model, problem.parts, problem.spread)
+        problem.evaluations = evaluations
+        result = solve(problem, result.vector[kept], robust, 20)
+    return problem, result, left
+
+
+def _drop(model: Model, vector: Array, covariance: Array) -> list[str]:
+    """Return what is not identified, dropped one by one: fixing the worst may identify the others."""
+    paths, mixing = model.paths, model.mixing()
+    information = _inverse(covariance)
+    kept = list(range(len(vector)))
+    table = np.array([".value." in path for path in paths], dtype=bool)
+    dropped = []
+    while kept:
+        # Conditional on what was dropped; of a table the places of its points are left as they are.
+        spread = np.full(len(vector), np.nan)
+        spread[kept] = np.diag(mixing[np.ix_(kept, kept)] @ _inverse(information[np.ix_(kept, kept)]) @ mixing[np.ix_(kept, kept)].T)
+        share = np.where(table | np.isnan(spread), -1.0, _shares(model, vector, np.nan_to_num(spread)))
+        worst = int(np.argmax(share))
+        if share[worst] < 1.0:
+            break
+        dropped.append(paths[worst])
+        kept.remove(worst)
+    return dropped
+
+
+def certainty_of(problem: Problem, result: Result, robust: float, profiles: int = 12) -> Certainty:
+    """Return what a fit knows of its numbers.
+
+    Arguments
+    ---------
+    profiles : of how many numbers that are no points of tables the interval is taken from a profile, the least certain
+        ones first; the others have that of the covariance.
+    """
+    vector = result.vector
+    if not len(vector):
+        empty = np.zeros(0)
+        return Certainty(np.zeros((0, 0)), empty, empty, empty.astype(bool), problem.voltages, float(problem.voltages))
+    covariance, effective = covariance_of(problem, vector, robust)
+    mixing = problem.model.mixing()
+    spread = np.diag(mixing @ covariance @ mixing.T)
+    share = _shares(problem.model, vector, spread)
+    known = share < 1.0
+    numbers, half = mixing @ vector, NORMAL_95 * np.sqrt(np.maximum(spread, 0.0))
+    low, high = numbers - half, numbers + half
+    alone = [place for place, path in enumerate(problem.model.paths) if ".value." not in path and known[place]]
+    for place in sorted(alone, key=lambda one: -share[one])[:profiles]:
+        low[place] = vector[place] - _profiled(problem, vector, covariance, place, -1.0, robust)
+        high[place] = vector[place] + _profiled(problem, vector, covariance, place, 1.0, robust)
+    return Certainty(covariance, low, high, known, problem.voltages, effective)
+
+
+def _profiled(problem: Problem, vector: Array, covariance: Array, place: int, side: float, robust: float) -> float:
+    """Return how far a number may go before the loss, the others fitted again, rises by what 95 % allow.
+
+    The rise that is allowed is that which a parabola with the covariance would have there, so that the effective number
+    of rows enters; one step of the secant method from there finds where the real rise is the same.
+    """
+    deviation = math.sqrt(covariance[place, place])
+    bounds = problem.model.bounds()
+    goal = side * NORMAL_95 * deviation
+    goal = float(np.clip(vector[place] + goal, bounds[0][place], bounds[1][place]) - vector[place])
+    others = np.arange(len(vector)) != place
+    slopes, missed = problem.slopes(vector), problem.function(vector)
+    weight = 1.0 / np.sqrt(1.0 + (missed / robust) ** 2)
+    curve = slopes.T @ (weight[:, None] * slopes)
+    bend = 1.0 / _inverse(curve)[place, place]
+    allowed = 0.5 * bend * (NORMAL_95 * deviation) ** 2
+    moved = vector + covariance[:, place] / covariance[place, place] * goal
+    moved = np.clip(moved, *bounds)
+    # The others are fitted again from there, by two steps of Gauss and Newton.
+    for _ in range(2):
+        slopes, missed = problem.slopes(moved), problem.function(moved)
+        weight = 1.0 / np.sqrt(1.0 + (missed / robust) ** 2)
+        inner = slopes[:, others]
+        step = _inverse(inner.T @ (weight[:, None] * inner)) @ (inner.T @ (weight * missed))
+        moved[others] = np.clip(moved[others] - step, bounds[0][others], bounds[1][others])
+    rise = _cost(problem, moved, robust) - _cost(problem, vector, robust)
+    ratio = math.sqrt(allowed / rise) if rise > 0.0 else 1.0
+    return abs(goal) * min(max(ratio, 0.5), 2.0)
+
+
+def _cost(problem: Problem, vector: Array, robust: float) -> float:
+    z = (problem.function(vector) / robust) ** 2
+    return float(0.5 * robust**2 * np.sum(2.0 * (np.sqrt(1.0 + z) - 1.0)))
+
+
+def draws(model: Model, vector: Array, covariance: Array, count: int, rng: np.random.Generator) -> Array:
+    """Return draws from the fit's normal distribution, kept within the bounds, shape (count, d)."""
+    if not count or not len(vector):
+        return np.tile(vector, (count, 1))
+    values, axes = np.linalg.eigh(0.5 * (covariance + covariance.T))
+    normal = rng.standard_normal((count, len(vector)))
+    found = vector + (normal * np.sqrt(np.maximum(values, 0.0))) @ axes.T
+    return np.clip(found, *model.bounds())

@@ -1,0 +1,213 @@
+"""The fit of a model to measurements: residuals of a population at once, least squares with bounds and a robust loss."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pipeline.experiments.own_battery.replay import Replay, replays
+from pipeline.experiments.own_battery.segments import Thinned
+from pipeline.experiments.own_battery.unknowns import Model, Population
+
+Array = NDArray[np.float64]
+_LOST = 1e3
+"""Residual that stands where a vector has no solution."""
+_NUDGE = 1e-4
+_WARM_EVERY = 4
+_SPREAD = 1.4826
+"""Standard deviation over the median of the magnitudes of normal residuals."""
+LEAST_V, LEAST_K = 2e-4, 0.02
+"""Spread below which no residual is taken to be: of the voltage of a cell [V], of the temperature [K]."""
+
+
+class Part(NamedTuple):
+    """A record with the rows that the fit may see.
+
+    Arguments
+    ---------
+    thinned : the record.
+    seen : whether the fit may see a row, shape (m,).
+    fold : number of the part that a row is left out with; -1: with none.
+    """
+
+    thinned: Thinned
+    seen: NDArray[np.bool_]
+    fold: NDArray[np.int64]
+
+
+class Spread(NamedTuple):
+    """Standard deviation of the residuals: of the battery's voltage [V], of its temperature [K]."""
+
+    voltage_v: float
+    temperature_k: float
+
+
+class Result(NamedTuple):
+    """Where a fit ended.
+
+    Arguments
+    ---------
+    model, vector : the model, and the best vector, (d,).
+    cost : half the sum of the squared residuals as the loss counts them.
+    evaluations : replays of the whole measurement, all vectors counted.
+    converged : whether the tolerance was met.
+    """
+
+    model: Model
+    vector: Array
+    cost: float
+    evaluations: int
+    converged: bool
+
+
+class Problem:
+    """A model held against records: residuals and their slopes, in units of the spread.
+
+    Arguments
+    ---------
+    parts : the records.
+    spread : of the residuals.
+    leave : the fold that is left out; -1: none.
+    ridge : whether each number is drawn to its start, by the width of its prior.
+    """
+
+    def __init__(self, model: Model, parts: Sequence[Part], spread: Spread, leave: int = -1, ridge: bool = False) -> None:
+        self.model, self.parts, self.spread, self.ridge = model, parts, spread, ridge
+        self._population = Population(model)
+        self._start, self._priors = model.start(), model.widths()
+        self._steps = _NUDGE * self._priors
+        self._neighbours = model.neighbours()
+        self.evaluations = 0
+        self._volts = [part.seen & ((part.fold != leave) | (leave < 0)) for part in parts]
+        self._warm = [_some(seen & ~np.isnan(part.thinned.temperature_k)) for seen, part in zip(self._volts, parts, strict=True)]
+
+    def replayed(self, vectors: Array) -> list[Replay]:
+        """Return the replay of every record, for a population of vectors (n, d)."""
+        cells, soc = self._population.cells(vectors)
+        self.evaluations += len(vectors)
+        found = []
+        for place, part in enumerate(self.parts):
+            start_k = np.full(len(vectors), start_kelvin(part.thinned))
+            found.append(replays(cells, soc[:, place], start_k, part.thinned.drive))
+        return found
+
+    def residuals(self, vectors: Array) -> Array:
+        """Return the residuals of a population, shape (n, rows): voltages, temperatures, then what is known before."""
+        made = self.replayed(vectors)
+        rows = []
+        for one, part, seen in zip(made, self.parts, self._volts, strict=True):
+            rows.append((one.voltage_v[:, seen] - part.thinned.voltage_v[seen]) / self.spread.voltage_v)
+        for one, part, seen in zip(made, self.parts, self._warm, strict=True):
+            rows.append((one.temperature_k[:, seen] - part.thinned.temperature_k[seen]) / self.spread.temperature_k)
+        away = vectors - self._start
+        if len(self._neighbours.first):
+            one, other, width = self._neighbours
+            rows.append(2.0 * (away[:, other] - np.where(one < 0, 0.0, away[:, one])) / width)
+        if self.ridge:
+            rows.append(2.0 * away / self._priors)
+        found = np.concatenate(rows, axis=1)
+        return np.where(np.isfinite(found), np.clip(found, -_LOST, _LOST), _LOST)
+
+    @property
+    def voltages(self) -> int:
+        """Return how many of the residuals are voltages."""
+        return int(sum(seen.sum() for seen in self._volts))
+
+    @property
+    def temperatures(self) -> int:
+        """Return how many of the residuals are temperatures."""
+        return int(sum(seen.sum() for seen in self._warm))
+
+    def function(self, vector: Array) -> Array:
+        """Return the residuals of one vector."""
+        return np.asarray(self.residuals(vector[None])[0])
+
+    def slopes(self, vector: Array) -> Array:
+        """Return the derivatives of the residuals, shape (rows, d), by differences of one population."""
+        low, high = self.model.bounds()
+        steps = np.where(vector + self._steps > high, -self._steps, self._steps)
+        found = self.residuals(np.vstack([vector[None], vector + np.diag(steps)]))
+        return np.asarray(((found[1:] - found[0]) / steps[:, None]).T)
+
+
+def _some(rows: NDArray[np.bool_]) -> NDArray[np.bool_]:
+    """Return every fourth of some rows: temperatures change slowly."""
+    found = np.zeros_like(rows)
+    found[np.flatnonzero(rows)[::_WARM_EVERY]] = True
+    return found
+
+
+def solve(problem: Problem, start: Array | None = None, robust: float = 3.0, most: int = 60) -> Result:
+    """Fit by `scipy.optimize.least_squares` (trust region, bounds, soft_l1 loss).
+
+    Arguments
+    ---------
+    start : vector to start from; that of the model where not given.
+    robust : residual from which it counts less, in units of the spread.
+    most : evaluations of the residuals at most, slopes not counted.
+    """
+    from scipy.optimize import least_squares
+
+    low, high = problem.model.bounds()
+    begin = problem.model.start() if start is None else start
+    if not len(begin):
+        cost = 0.5 * float(np.sum(problem.residuals(begin[None])[0] ** 2))
+        return Result(problem.model, begin, cost, problem.evaluations, True)
+    begin = np.clip(begin, low + 1e-9 * (high - low), high - 1e-9 * (high - low))
+    found = least_squares(
+        problem.function, begin, problem.slopes, (low, high), "trf", ftol=1e-6, xtol=1e-6, gtol=1e-9,
+        x_scale=problem.model.widths(), loss="soft_l1", f_scale=robust, max_nfev=most,
+    )  # fmt: skip
+    return Result(problem.model, found.x, float(found.cost), problem.evaluations, found.status > 0)
+
+
+def spread_of(problem: Problem, vector: Array) -> Spread:
+    """Return the spread of the residuals at a vector, robustly, not below what no sensor does better."""
+    found = problem.function(vector)
+    volts, warm = found[: problem.voltages], found[problem.voltages : problem.voltages + problem.temperatures]
+    cells = problem.model.battery.cells
+    return Spread(
+        max(_SPREAD * float(np.median(np.abs(volts))) * problem.spread.voltage_v, cells * LEAST_V),
+        max(_SPREAD * float(np.median(np.abs(warm))) * problem.spread.temperature_k, LEAST_K) if len(warm) else 1.0,
+    )
+
+
+def rmse_v(problem: Problem, vector: Array, rows: Sequence[NDArray[np.bool_]]) -> float:
+    """Return the root of the mean squared residual of the voltage over some rows of each record [V]."""
+    squares, count = 0.0, 0
+    for one, part, chosen in zip(problem.replayed(vector[None]), problem.parts, rows, strict=True):
+        missed = one.voltage_v[0, chosen] - part.thinned.voltage_v[chosen]
+        squares, count = squares + float(np.sum(missed**2)), count + int(chosen.sum())
+    return math.sqrt(squares / count) if count else math.nan
+
+
+def start_kelvin(thinned: Thinned) -> float:
+    """Return the temperature at the start: as measured, its first rows averaged, else that of the surroundings [K]."""
+    measured = thinned.temperature_k[:5]
+    known = measured[~np.isnan(measured)]
+    return float(known.mean()) if len(known) else float(thinned.drive.ambient_k[0])
+
+
+def many_starts(
+    problem: Problem, first: Array, starts: int, rng: np.random.Generator, robust: float, most: int
+) -> list[Result]:
+    """Fit from several starts, the first as given, the others away from it by up to the width of each prior.
+
+    Time constants are drawn anew over their whole range, and put in order, so that pairs keep their roles.
+    """
+    model = problem.model
+    low, high = model.bounds()
+    found = [solve(problem, first, robust, most)]
+    taus = [place for place, path in enumerate(model.paths) if path.startswith("pairs.") and path.endswith("_s")]
+    volts = np.array([path.startswith("open_circuit") for path in model.paths], dtype=bool)
+    for _ in range(starts - 1):
+        away = np.where(volts, 0.1, 0.7) * model.widths() * rng.uniform(-1.0, 1.0, len(first))
+        begin = found[0].vector + away
+        if taus:
+            begin[taus] = np.sort(rng.uniform(low[taus] + 0.15 * (high - low)[taus], high[taus] - 0.1 * (high - low)[taus]))
+        found.append(solve(problem, np.clip(begin, low, high), robust, most))
+    return sorted(found, key=lambda one: one.cost)

@@ -1,0 +1,246 @@
+"""Measurement: rows in; the structure compared, the card fitted, how well it is known, and the hold-out looked at once."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Mapping, Sequence
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pipeline.cell.circuit import ZERO_CELSIUS_K
+from pipeline.cell.records import Battery
+from pipeline.experiments.own_battery import card
+from pipeline.experiments.own_battery.certainty import Certainty, certainty_of, draws, settle
+from pipeline.experiments.own_battery.fitting import Part, Problem, Result, Spread, many_starts
+from pipeline.experiments.own_battery.reading import Series
+from pipeline.experiments.own_battery.records import Fit
+from pipeline.experiments.own_battery.segments import Segment, Thinned, thinned, whole
+from pipeline.experiments.own_battery.structures import Tried, compare, folds, structures
+from pipeline.experiments.own_battery.tables import FITTED_NUMBERS
+from pipeline.experiments.own_battery.unknowns import SOC, Model
+from pipeline.kernel.artefacts import Inputs, Output
+from pipeline.quantity import Quantity
+
+Array = NDArray[np.float64]
+
+
+class Record(NamedTuple):
+    """A file as the fit takes it: its rows, thinned, which of them it may see, and what it starts from."""
+
+    series: Series
+    thinned: Thinned
+    held_out: NDArray[np.bool_]
+    segments: list[Segment]
+    soc: float
+    stated: bool
+    ambient_c: float
+
+
+class Fitted(NamedTuple):
+    """What came of a fit.
+
+    Arguments
+    ---------
+    tried, chosen : the structures that were compared.
+    model : the model of the chosen one, before any number kept its prior.
+    problem, result : of the last fit; `starts` : all of them, the best first.
+    kept : key paths of the numbers that keep their priors.
+    certainty : what is known of the fitted ones.
+    """
+
+    tried: list[Tried]
+    chosen: Tried
+    model: Model
+    problem: Problem
+    result: Result
+    starts: list[Result]
+    kept: list[str]
+    certainty: Certainty
+
+
+def run(settings: Mapping[str, Any], inputs: Inputs, output: Output) -> None:
+    """Fit the card and write it."""
+    battery, fit = Battery.model_validate(settings["battery"]), Fit.model_validate(settings["fit"])
+    records = read(inputs, "own_reading")
+    ranges = {
+        path.removeprefix("battery."): (source["range"][0], source["range"][1])
+        for path, source in settings["sources"].items()
+        if source.get("range")
+    }
+    rng = np.random.default_rng(np.random.SeedSequence([int(settings["seed"]), 0]))
+    found = fitted(battery, records, fit, ranges, rng)
+    best, soc = found.problem.model.card(found.result.vector)
+    # Everything is chosen: only now the rows that were held out are looked at.
+    socs = [_soc_of(best, one, soc[place]) for place, one in enumerate(records)]
+    errors = list(_errors(best, records, socs))
+    output.rows("structures", _structures(found))
+    output.rows("parameters", list(card.parameters(found, battery)))
+    output.rows("errors", errors)
+    output.write("overlay", _overlay(output, best, records, socs))
+    drawn = draws(found.problem.model, found.result.vector, found.certainty.covariance, fit.samples, rng)
+    output.rows("samples", list(_samples(found.problem.model, drawn)))
+    valid = card.validity(best, records, socs)
+    output.numbers(_numbers(found, errors, valid))
+    name = records[0].series.file
+    text = card.written(best, found, battery, settings["sources"], fit.title, [one.series.file for one in records], valid)
+    (output.folder / "battery.yaml").write_text(text, encoding="utf-8")
+    output.found({"card": best.model_dump(mode="json"), "soc": socs, "valid": valid, "file": name})
+
+
+def fitted(
+    battery: Battery,
+    records: Sequence[Record],
+    fit: Fit,
+    ranges: Mapping[str, tuple[float, float]],
+    rng: np.random.Generator,
+) -> Fitted:
+    """Compare the structures of a start card, fit the best one from several starts, and say how well it is known."""
+    used = [one for one in records if not one.held_out.all()]
+    parts = []
+    for one in used:
+        seen = ~one.held_out[one.thinned.kept]
+        parts.append(Part(one.thinned, seen, folds(one.segments, one.thinned.kept, seen, fit.folds)))
+    spacing = min(float(np.median(np.diff(one.series.time_s))) for one in used)
+    longest = max(
+        [max((s.length_s for s in one.segments if s.kind == "rest"), default=0.0) for one in used]
+        + [0.1 * float(one.series.time_s[-1]) for one in used]
+    )
+    warm = np.concatenate([one.series.temperature_c for one in used])
+    span = float(np.nanmax(warm) - np.nanmin(warm)) if not np.isnan(warm).all() else 0.0
+    rows_s = (spacing, longest)
+    tried, chosen, spread = compare(
+        structures(battery, fit, rows_s, span), [one.soc for one in used], parts, fit, rows_s, dict(ranges),
+        [one.stated for one in used],
+    )  # fmt: skip
+    problem, result, kept = settle(Problem(chosen.model, parts, spread), chosen.vector, fit.robust_scale)
+    starts = many_starts(problem, result.vector, fit.starts, rng, fit.robust_scale, 30)
+    certainty = certainty_of(problem, starts[0], fit.robust_scale)
+    return Fitted(tried, chosen, chosen.model, problem, starts[0], starts, kept, certainty)
+
+
+def read(inputs: Inputs, source: str) -> list[Record]:
+    """Return the files of a reading as the fit takes them."""
+    rows, listed, files = (inputs.table(source, name) for name in ("series", "segments", "files"))
+    found = []
+    for place, name in zip(files["file"].tolist(), files["name"].tolist(), strict=True):
+        own, segment = rows["file"] == place, listed["file"] == place
+        series = Series(
+            file=str(name),
+            row=rows["row"][own],
+            time_s=rows["time_s"][own],
+            voltage_v=rows["voltage_v"][own],
+            current_a=rows["current_a"][own],
+            temperature_c=_numbers_of(rows["temperature_c"][own]),
+            ambient_c=_numbers_of(rows["ambient_c"][own]),
+            step=rows["step"][own],
+            jumps=bool(rows["jumps"][own].all()),
+            said=(),
+        )
+        names = ("kind", "first", "last", "start_s", "length_s", "current_a", "charge_ah", "soc", "start_v", "end_v")
+        segments = [Segment(*values) for values in zip(*(listed[key][segment].tolist() for key in names), strict=True)]
+        ambient = float(files["ambient_c"][place])
+        out = rows["held_out"][own].astype(bool)
+        found.append(
+            Record(
+                series, thinned(series, ambient), out, segments, float(files["initial_soc"][place]),
+                bool(files["stated"][place]), ambient,
+            )
+        )  # fmt: skip
+    return found
+
+
+def _numbers_of(values: NDArray[Any]) -> Array:
+    return np.array([np.nan if value is None else value for value in values.tolist()], dtype=np.float64)
+
+
+def _soc_of(best: Battery, record: Record, fitted_soc: float) -> float:
+    """Return the state of charge at the start of a record; of one that the fit never saw, from its first voltage."""
+    from pipeline.experiments.own_battery.plausible import soc_at_start
+
+    if record.held_out.all() and not record.stated:
+        return soc_at_start(record.series, best)
+    return fitted_soc
+
+
+def _replayed(best: Battery, series: Thinned, soc: float) -> tuple[Array, Array, Array]:
+    model = Model(best, (), (soc,))
+    part = Part(series, np.ones(len(series.kept), dtype=bool), np.full(len(series.kept), -1))
+    made = Problem(model, [part], Spread(1.0, 1.0)).replayed(np.zeros((1, 0)))[0]
+    return made.voltage_v[0], made.temperature_k[0] - ZERO_CELSIUS_K, 1.0 - made.depth[0]
+
+
+def _errors(best: Battery, records: Sequence[Record], socs: Sequence[float]) -> Iterator[tuple[Any, ...]]:
+    """Yield the errors of every file, of the fitted part and of what was held out, over all rows."""
+    for place, one in enumerate(records):
+        full = whole(one.series, one.ambient_c)
+        volts, warm, _ = _replayed(best, full, socs[place])
+        kinds = (("voltage", "V", volts - one.series.voltage_v), ("temperature", "K", warm - one.series.temperature_c))
+        for part, rows in (("fit", ~one.held_out), ("held out", one.held_out)):
+            for quantity, unit, missed in kinds:
+                here = np.flatnonzero(rows & np.isfinite(missed))
+                if len(here):
+                    size = np.abs(missed[here])
+                    at = here[int(np.argmax(size))]
+                    yield (
+                        part, place, quantity, unit, math.sqrt(float(np.mean(size**2))), float(np.percentile(size, 95)),
+                        float(size.max()), float(one.series.time_s[at]), len(here),
+                    )  # fmt: skip
+
+
+def _overlay(output: Output, best: Battery, records: Sequence[Record], socs: Sequence[float]) -> dict[str, list[Any]]:
+    rows: dict[str, list[Any]] = output.empty("overlay")
+    for place, one in enumerate(records):
+        volts, warm, soc = _replayed(best, one.thinned, socs[place])
+        kept = one.thinned.kept
+        rows["file"] += [place] * len(kept)
+        rows["time_s"] += one.series.time_s[kept].tolist()
+        rows["current_a"] += one.series.current_a[kept].tolist()
+        rows["measured_v"] += one.series.voltage_v[kept].tolist()
+        rows["simulated_v"] += volts.tolist()
+        rows["measured_c"] += [None if np.isnan(t) else t for t in one.series.temperature_c[kept].tolist()]
+        rows["simulated_c"] += warm.tolist()
+        rows["soc"] += soc.tolist()
+        rows["held_out"] += one.held_out[kept].tolist()
+    return rows
+
+
+def _structures(found: Fitted) -> list[tuple[Any, ...]]:
+    return [
+        (one.structure.name, one.unknowns, len(one.left_out), one.typical_v, one.seen_v, one is found.chosen)
+        for one in found.tried
+    ]
+
+
+def _samples(model: Model, drawn: Array) -> Iterator[tuple[int, str, float]]:
+    for place, values in enumerate(model.values(drawn) if len(drawn) else ()):
+        for path, value in zip(model.paths, values.tolist(), strict=True):
+            if not path.startswith(SOC):
+                yield place, path, value
+
+
+def _numbers(found: Fitted, errors: Sequence[tuple[Any, ...]], valid: Mapping[str, Any]) -> list[Quantity]:
+    def rmse(part: str, quantity: str) -> float:
+        rows = [(one[4], one[8]) for one in errors if one[0] == part and one[2] == quantity]
+        count = sum(rows for _, rows in rows)
+        return math.sqrt(sum(error**2 * number for error, number in rows) / count) if count else math.nan
+
+    best = found.starts[0].cost
+    near = np.mean([one.cost <= 1.01 * best for one in found.starts])
+    named = {
+        "fit_voltage_rmse_v": rmse("fit", "voltage"),
+        "held_out_voltage_rmse_v": rmse("held out", "voltage"),
+        "fit_temperature_rmse_k": rmse("fit", "temperature"),
+        "held_out_temperature_rmse_k": rmse("held out", "temperature"),
+        "unknowns": len(found.result.vector),
+        "rows": found.certainty.rows,
+        "effective_rows": found.certainty.effective,
+        "starts_together": float(near),
+        "lowest_soc": valid["soc"][0],
+        "highest_soc": valid["soc"][1],
+        "highest_c_rate": valid["c_rate"][1],
+        "lowest_temperature_c": valid["temperature_c"][0],
+        "highest_temperature_c": valid["temperature_c"][1],
+    }
+    return [FITTED_NUMBERS.quantity(name, value) for name, value in named.items()]

@@ -1,0 +1,236 @@
+"""What a measurement consists of: rests, pulses, constant currents and voltages, and what each of them tells."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pipeline.cell.circuit import ZERO_CELSIUS_K
+from pipeline.experiments.own_battery.reading import Series
+from pipeline.experiments.own_battery.records import HeldOut
+from pipeline.experiments.own_battery.replay import Drive
+
+Array = NDArray[np.float64]
+REST, CONSTANT_CURRENT, CONSTANT_VOLTAGE, PULSE, OTHER = "rest", "constant current", "constant voltage", "pulse", "other"
+LONGEST_PULSE_S = 60.0
+_STILL, _STEADY, _JUMP = 0.005, 0.03, 0.05
+_HELD_SHARE = 2e-3
+_SETTLED_S = 1200.0
+_FEWEST_RESTS = 3
+
+
+class Segment(NamedTuple):
+    """A stretch of rows.
+
+    Arguments
+    ---------
+    kind : rest, constant current, constant voltage, pulse, other.
+    first, last : its rows, both within.
+    start_s, length_s : when, and how long, the way from the row before included [s].
+    current_a : mean current [A].
+    charge_ah : charge put in [Ah].
+    soc : state of charge at its start, by counting on the start card [1].
+    start_v, end_v : voltage of its first and last row [V].
+    """
+
+    kind: str
+    first: int
+    last: int
+    start_s: float
+    length_s: float
+    current_a: float
+    charge_ah: float
+    soc: float
+    start_v: float
+    end_v: float
+
+
+def charge_ah(series: Series) -> Array:
+    """Return the charge put in since the first row, shape (n,) [Ah]."""
+    flowing = series.current_a[1:] if series.jumps else 0.5 * (series.current_a[1:] + series.current_a[:-1])
+    return np.append(0.0, np.cumsum(flowing * np.diff(series.time_s))) / 3600.0
+
+
+def segments(series: Series, soc: float, capacity_ah: float) -> list[Segment]:
+    """Return the segments of a measurement, in order.
+
+    Arguments
+    ---------
+    soc : state of charge at the first row [1].
+    capacity_ah : of the start card [Ah].
+    """
+    current, counted = series.current_a, charge_ah(series)
+    edges = [0, *_edges(series), len(current)]
+    found = []
+    for first, end in zip(edges, edges[1:], strict=False):
+        for begin, stop in _by_kind(series, first, end):
+            before = max(begin - 1, 0)
+            put_in = counted[stop - 1] - counted[before]
+            length = series.time_s[stop - 1] - series.time_s[before]
+            mean = 3600.0 * put_in / length if length > 0.0 else float(current[begin])
+            found.append(
+                Segment(
+                    _kind(series, begin, stop, length), begin, stop - 1, float(series.time_s[before]), float(length),
+                    float(mean), float(put_in), soc + float(counted[before]) / capacity_ah,
+                    float(series.voltage_v[begin]), float(series.voltage_v[stop - 1]),
+                )
+            )  # fmt: skip
+    return found
+
+
+def _edges(series: Series) -> list[int]:
+    """Return the rows at which the current is another than before: jumps, and where it begins or ceases to flow."""
+    current = series.current_a
+    span = float(np.max(np.abs(current))) + 1e-30
+    still = np.abs(current) < _STILL * span
+    changed = np.abs(np.diff(current)) > _JUMP * span
+    changed |= still[1:] != still[:-1]
+    if (series.step >= 0).all():
+        changed |= np.diff(series.step) != 0
+    return list(np.flatnonzero(changed) + 1)
+
+
+def _by_kind(series: Series, first: int, end: int) -> Iterator[tuple[int, int]]:
+    """Divide a stretch without jumps where a held voltage begins."""
+    volts, current = series.voltage_v[first:end], series.current_a[first:end]
+    top = float(np.max(volts)) if np.mean(current) >= 0.0 else float(np.min(volts))
+    held = np.abs(volts - top) < _HELD_SHARE * abs(top)
+    moved = np.ptp(current) > 0.1 * np.max(np.abs(current) + 1e-30)
+    begins = int(np.argmax(held)) if held.any() else 0
+    if moved and held[begins:].mean() > 0.9 and begins > 3 and end - first - begins > 10:
+        yield first, first + begins
+        yield first + begins, end
+    else:
+        yield first, end
+
+
+def _kind(series: Series, begin: int, stop: int, length: float) -> str:
+    current, volts = series.current_a[begin:stop], series.voltage_v[begin:stop]
+    span = float(np.max(np.abs(series.current_a))) + 1e-30
+    if np.max(np.abs(current)) < _STILL * span:
+        return REST
+    if np.ptp(current) < 2.0 * _STEADY * span or np.ptp(current) < 0.1 * abs(float(np.mean(current))):
+        return PULSE if length <= LONGEST_PULSE_S else CONSTANT_CURRENT
+    if np.ptp(volts) < 3.0 * _HELD_SHARE * abs(float(np.mean(volts))):
+        return CONSTANT_VOLTAGE
+    return OTHER
+
+
+def held_out(series: Series, found: Sequence[Segment], wanted: HeldOut, place: int) -> NDArray[np.bool_]:
+    """Return the rows that the fit may not see, shape (n,).
+
+    Arguments
+    ---------
+    found : the segments of the series.
+    place : whether other files are there: 0 for the only file.
+    """
+    time_s = series.time_s
+    rows = np.zeros(len(time_s), dtype=bool)
+    if series.file in wanted.files:
+        rows[:] = True
+    for begin, end in wanted.windows_s:
+        rows |= (time_s >= begin) & (time_s <= end)
+    for level in wanted.around_soc:
+        for one in found:
+            near = abs(one.soc - level) <= wanted.width_soc
+            if near and one.kind in (PULSE, REST):
+                rows[one.first : one.last + 1] = True
+    named = bool(wanted.files or wanted.windows_s or wanted.around_soc)
+    if not named and wanted.share > 0.0 and place == 0:
+        rows |= time_s > (1.0 - wanted.share) * time_s[-1]
+    return rows
+
+
+class Thinned(NamedTuple):
+    """A measurement with fewer rows and the same charge: what is replayed and what it is held against.
+
+    Arguments
+    ---------
+    drive : the replay's form; `kept` : its rows in the series.
+    voltage_v, temperature_k : measured there; temperature NaN where it is not.
+    """
+
+    drive: Drive
+    kept: NDArray[np.int64]
+    voltage_v: Array
+    temperature_k: Array
+
+
+def whole(series: Series, ambient_c: float) -> Thinned:
+    """Return a measurement with all of its rows, as it is replayed."""
+    return _thinned(series, np.arange(len(series.time_s)), ambient_c)
+
+
+def thinned(series: Series, ambient_c: float, rows: int = 2500) -> Thinned:
+    """Return a measurement with rows close together behind a change of current and further apart later on.
+
+    Arguments
+    ---------
+    ambient_c : temperature of the surroundings where it was not measured [degC].
+    rows : about how many rows a steady measurement keeps.
+    """
+    time_s, current = series.time_s, series.current_a
+    span = float(np.max(np.abs(current))) + 1e-30
+    counted = charge_ah(series)
+    total = float(np.abs(np.diff(counted)).sum()) + 1e-30
+    edges = np.zeros(len(current), dtype=bool)
+    edges[[0, *_edges(series)]] = True
+    longest_s = max(time_s[-1] / rows, 0.0)
+    most_ah = 2.0 * total / rows
+    kept, edge, last = [0], 0, 0
+    for row in range(1, len(current)):
+        if edges[row]:
+            if row - 1 != last:
+                kept.append(row - 1)
+            kept.append(row)
+            edge = last = row
+            continue
+        since, gone = time_s[row] - time_s[edge], time_s[row] - time_s[last]
+        moved = abs(counted[row] - counted[last]) >= most_ah or abs(current[row] - current[last]) > 2 * _JUMP * span
+        if gone >= min(0.12 * since, 4.0 * longest_s) and (since <= 20.0 or gone >= longest_s or moved or gone > 0.1 * since):
+            kept.append(row)
+            last = row
+    if kept[-1] != len(current) - 1:
+        kept.append(len(current) - 1)
+    return _thinned(series, np.array(kept), ambient_c)
+
+
+def _thinned(series: Series, kept: NDArray[np.int64], ambient_c: float) -> Thinned:
+    time_s, counted, current = series.time_s, charge_ah(series), series.current_a
+    length = np.diff(time_s[kept])
+    put_in = 3600.0 * np.diff(counted[kept])
+    mean = np.divide(put_in, length, out=current[kept][1:].copy(), where=length > 0.0)
+    alone = np.diff(kept) == 1
+    straight = alone & (not series.jumps)
+    before = np.append(current[kept[0]], np.where(straight, current[kept[1:]], mean))
+    after = np.append(np.where(straight, current[kept[:-1]], mean), current[kept[-1]])
+    around = np.where(np.isnan(series.ambient_c[kept]), ambient_c, series.ambient_c[kept]) + ZERO_CELSIUS_K
+    drive = Drive(
+        time_s=time_s[kept],
+        before_a=before,
+        after_a=after,
+        read_a=current[kept],
+        ambient_k=around,
+        given_k=np.full(len(kept), np.nan),
+    )
+    return Thinned(drive, kept, series.voltage_v[kept], series.temperature_c[kept] + ZERO_CELSIUS_K)
+
+
+def sensors_apart_k(series: Series, found: Sequence[Segment]) -> float:
+    """Return by how much the battery's sensor reads more than the room's at the end of long rests; 0 where unknown [K]."""
+    apart = series.temperature_c - series.ambient_c
+    ends = [float(apart[one.last]) for one in found if one.kind == REST and one.length_s >= _SETTLED_S]
+    ends = [one for one in ends if not np.isnan(one)]
+    return float(np.median(ends)) if len(ends) >= _FEWEST_RESTS else 0.0
+
+
+def resting_points(series: Series, found: Sequence[Segment]) -> list[tuple[float, float, float]]:
+    """Return what rests tell of the open-circuit voltage: counted state of charge, voltage [V], length of the rest [s]."""
+    return [
+        (one.soc, one.end_v, one.length_s)
+        for one in found
+        if one.kind == REST and one.length_s >= min(_SETTLED_S, 0.02 * float(series.time_s[-1]))
+    ]
