@@ -1,6 +1,6 @@
 """`python -m benchmarks [NAME ...]`: measures what is named; `all`, all but the hour, without a name.
 
-`table` writes the results on file into README.md and benchmarks/README.md.
+`table` writes the results on file into docs/speed.md and benchmarks/README.md.
 Every row is measured before anything fails; then a row below half its figure, or with a larger error than asked,
 makes the exit status 1.
 """

@@ -1,4 +1,4 @@
-"""What comes of a benchmark: a JSON list of rows, lines for the terminal, and the table of the README."""
+"""What comes of a benchmark: a JSON list of rows, lines for the terminal, and the tables of the documentation."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from typing import Any
 from benchmarks.protocol import NOT_INSTALLED, Row
 
 FOLDER = Path(__file__).parent / "results"
-README, METHOD = Path(__file__).parents[1] / "README.md", Path(__file__).parent / "README.md"
+SPEED, METHOD = Path(__file__).parents[1] / "docs" / "speed.md", Path(__file__).parent / "README.md"
 BEGIN, END = "<!-- benchmarks: begin -->", "<!-- benchmarks: end -->"
 
 
@@ -159,8 +159,8 @@ def table(names: Iterable[str], asked_only: bool = False) -> str:
 
 
 def write_tables(names: Iterable[str]) -> None:
-    """Write the rows of which something is asked into the README, every row into that of the benchmarks."""
-    for file, asked_only in ((README, True), (METHOD, False)):
+    """Write the rows of which something is asked into docs/speed.md, every row into that of the benchmarks."""
+    for file, asked_only in ((SPEED, True), (METHOD, False)):
         file.write_text(put(file.read_text(), table(names, asked_only)))
 
 

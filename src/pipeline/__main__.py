@@ -11,7 +11,10 @@ from pipeline.errors import UserError
 from pipeline.kernel import store
 from pipeline.kernel.last_resort import in_utf8, last_resort, refuse_other_bytes
 
-COMMANDS = ("run", "compare", "reproduce", "report", "store", "validate", "steps", "modes", "schema", "new", "init")
+COMMANDS = (
+    *("run", "compare", "reproduce", "report", "store", "validate", "steps", "modes", "schema", "new", "init"),
+    "readme",
+)
 """The words; each is a module of `pipeline.commands` with `main(arguments) -> exit code`."""
 
 

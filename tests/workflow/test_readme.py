@@ -1,4 +1,4 @@
-"""What the README says under "Adding" is written into a copy of the project and run there, line by line."""
+"""What docs/adding.md says is written into a copy of the project and run there, line by line."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from tests.workflow.conftest import ROOT, Project, copy_parts
 
 pytestmark = [pytest.mark.workflow, pytest.mark.slow]
 
-ADDING = (ROOT / "README.md").read_text(encoding="utf-8").split("\n## Adding\n")[1].split("\n## ")[0]
+ADDING = (ROOT / "docs" / "adding.md").read_text(encoding="utf-8")
 BLOCKS = re.findall(r"^```(\w+) ?(\S*)\n(.*?)^```$", ADDING, re.MULTILINE | re.DOTALL)
 FILES = {place: text for _, place, text in BLOCKS if place}
 COMMANDS = [line for language, _, text in BLOCKS if language == "sh" for line in text.splitlines()]
@@ -62,3 +62,10 @@ def test_the_chain_of_the_workflow_is_shown_whole() -> None:
     order = [shown.find(f"\n{name} ") for name in registry.steps()]
     assert min(order) >= 0, [name for name, place in zip(registry.steps(), order, strict=True) if place < 0]
     assert Path(ROOT / "workflow" / "steps.smk").is_file()
+
+
+def test_the_readme_is_short_and_leads_to_every_page() -> None:
+    readme = (ROOT / "README.md").read_text(encoding="utf-8")
+    assert len(readme.splitlines()) <= 150
+    listed = set(re.findall(r"\(docs/([\w-]+\.md)\)", readme))
+    assert listed == {path.name for path in (ROOT / "docs").glob("*.md")}

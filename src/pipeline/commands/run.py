@@ -125,7 +125,7 @@ def _parser(listing: bool) -> argparse.ArgumentParser:
     parser = argparse.ArgumentParser(
         prog="python -m pipeline",
         description="Battery charging studies. Other words: compare, reproduce, report, store, validate, steps, "
-        "modes, schema, new, init; each has --help.",
+        "modes, schema, new, init, readme; each has --help.",
         epilog=f"{EXAMPLES}\nconfiguration groups (group=option):\n{available}",
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )

@@ -1,0 +1,80 @@
+"""`python -m pipeline readme [--check]`: what the README shows of the studies, from the cards of their pages."""
+
+from __future__ import annotations
+
+import argparse
+import json
+import re
+import shutil
+from collections.abc import Iterator, Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+from pipeline.config.compose import cards
+from pipeline.errors import UserError
+from pipeline.kernel.places import PROJECT
+from pipeline.kernel.store import REPORTS
+from pipeline.published.words import WORDS
+
+README = Path("README.md")
+PICTURES = Path("docs") / "pictures"
+BEGIN, END = "<!-- studies: begin -->", "<!-- studies: end -->"
+
+
+def main(arguments: Sequence[str]) -> int:
+    """Write the answers, counts and pictures of the shipped studies; return 1 where --check finds others."""
+    parser = argparse.ArgumentParser(prog="python -m pipeline readme", description=__doc__)
+    parser.add_argument("--check", action="store_true", help="write nothing; tell what would be written otherwise")
+    choices = parser.parse_args(arguments)
+    found = list(_found(Path(REPORTS)))
+    stale = [path for path, content in _files(found) if not path.is_file() or path.read_bytes() != content]
+    for path in stale:
+        print(f"{path}: {'not as the runs of today have it' if choices.check else 'written'}")
+    if choices.check:
+        return int(bool(stale))
+    shutil.rmtree(PROJECT / PICTURES, ignore_errors=True)
+    for path, content in _files(found):
+        path.parent.mkdir(parents=True, exist_ok=True)
+        path.write_bytes(content)
+    return 0
+
+
+def _found(reports: Path) -> Iterator[tuple[str, dict[str, Any]]]:
+    """Yield name and card of each study that `all` makes."""
+    for name, study in cards().items():
+        if study.get("apart"):
+            continue
+        card = reports / name / "default" / "card.json"
+        if not card.is_file():
+            raise UserError(f"{card}: not there; make the studies first: snakemake --cores 2 all")
+        yield name, json.loads(card.read_text(encoding="utf-8"))
+
+
+def _files(found: Sequence[tuple[str, Mapping[str, Any]]]) -> Iterator[tuple[Path, bytes]]:
+    text = README.read_text(encoding="utf-8")
+    if not re.search(f"{BEGIN}\n.*{END}", text, re.DOTALL):
+        raise UserError(f"{README}: no lines {BEGIN} and {END} to write between")
+    told = "\n\n".join([_table(found), *(_shown(name, card) for name, card in found)])
+    yield README, re.sub(f"{BEGIN}\n.*{END}", lambda _: f"{BEGIN}\n{told}\n{END}", text, flags=re.DOTALL).encode()
+    for name, card in found:
+        yield PICTURES / f"{name}.svg", (Path(REPORTS) / name / "default" / _picture(card)).read_bytes()
+
+
+def _table(found: Sequence[tuple[str, Mapping[str, Any]]]) -> str:
+    rows = [["study", *WORDS], ["---"] * (len(WORDS) + 1)]
+    for name, card in found:
+        counts = dict(card["counts"])
+        rows.append([f"`{name}`", *(str(counts.get(word, 0)) for word in WORDS)])
+    return "\n".join(f"| {' | '.join(row)} |" for row in rows)
+
+
+def _shown(name: str, card: Mapping[str, Any]) -> str:
+    picture = card["picture"]
+    return (
+        f"**{card['title']}.** {card['question']}\n{card['answer']}\n\n"
+        f"![{picture['text']}]({(PICTURES / name).as_posix()}.svg)"
+    )
+
+
+def _picture(card: Mapping[str, Any]) -> str:
+    return str(Path(card["picture"]["file"]).with_suffix(".svg"))
