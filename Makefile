@@ -5,7 +5,7 @@ BIN := $(VENV)/bin
 CORES ?= 2
 
 .PHONY: all test test-slow test-struck test-browser browser-setup lint bench bench-slow faults faults-short fuzz fuzz-short validate accuracy \
-	reproduce reproduce-generic expected setup setup-dev lock clean help
+	reproduce reproduce-generic expected setup setup-dev setup-docs docs lock clean help
 
 all: setup ## run every study: results/ and reports/
 	$(BIN)/snakemake --cores $(CORES) all
@@ -66,6 +66,9 @@ expected: setup ## renew reproducibility/expected.json; its diff reads as number
 accuracy: setup-dev ## the charge engine against a tight solve_ivp, three windows of 60 s
 	$(BIN)/python -m benchmarks.accuracy
 
+docs: setup-docs ## build the documentation: site/index.html, read from the file system
+	.venv-docs/bin/mkdocs build --quiet --strict
+
 setup: $(VENV)/.runtime ## virtual environment with the runtime packages
 setup-dev: $(VENV)/.dev ## the same with the tools of development
 
@@ -77,6 +80,13 @@ $(VENV)/.runtime: requirements.lock pyproject.toml
 
 $(VENV)/.dev: $(VENV)/.runtime requirements-dev.lock
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check --require-hashes -r requirements-dev.lock
+	touch $@
+
+setup-docs: .venv-docs/.made
+
+.venv-docs/.made: requirements-docs.lock
+	test -x .venv-docs/bin/python || $(PYTHON) -m venv .venv-docs
+	.venv-docs/bin/python -m pip install --quiet --disable-pip-version-check --require-hashes -r requirements-docs.lock
 	touch $@
 
 lock: ## renew the lock files (needs uv)
