@@ -109,17 +109,17 @@ def edge_cost(case: str) -> dict[str, float]:
     from benchmarks import chemistry
     from benchmarks.peers import engine
     from pipeline.cell.circuit import compile_cell
+    from pipeline.charge.books import book_for
     from pipeline.charge.period import new_clock, run_periods
     from pipeline.charge.program import compile_program
     from pipeline.charge.protocol import resolve
-    from pipeline.charge.simulate import _book
     from pipeline.charge.state import DEPTH, TEMPERATURE, new_run
 
     battery, mode, soc = chemistry.every_case()[case][:3]
     settings, _ = engine.settings_of(soc, "edge", 1e4)
     cell = compile_cell(battery)
     program = compile_program(resolve(mode, battery.capacity_in_use_ah, battery.fills), battery.cells_in_series, "edge")
-    state, book, clock = new_run(), _book(program, settings, cell), new_clock(1e4)
+    state, book, clock = new_run(), book_for(program, settings), new_clock(1e4)
     state["state"][DEPTH], state["state"][TEMPERATURE] = 1.0 - soc, engine.AMBIENT_K
     state["proposal_s"][:] = math.inf
     clock["period_s"] = float(np.sum(program.length_s[0]))

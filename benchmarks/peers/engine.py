@@ -8,13 +8,14 @@ from benchmarks.common_model import End
 from pipeline.cell.circuit import compile_cell
 from pipeline.cell.records import Battery
 from pipeline.charge import drive
+from pipeline.charge.books import book_for
 from pipeline.charge.checks import check
 from pipeline.charge.controller import compile_control
 from pipeline.charge.period import new_clock
 from pipeline.charge.program import compile_program
 from pipeline.charge.protocol import resolve
 from pipeline.charge.records import ChargeSettings, EngineSettings, Mode
-from pipeline.charge.simulate import BENCH, Charge, _book, launch, run, simulate
+from pipeline.charge.simulate import BENCH, Charge, launch, run, simulate
 from pipeline.charge.state import DEPTH, HYSTERESIS, RELAXATIONS, TEMPERATURE, new_run
 
 TITLE = "this project"
@@ -46,7 +47,7 @@ def solver(
     control = compile_control(protocol, battery.capacity_in_use_ah)
 
     def solve() -> int:
-        state, book, clock = new_run(), _book(program, settings, cell), new_clock(interval_s)
+        state, book, clock = new_run(), book_for(program, settings), new_clock(interval_s)
         state["state"][DEPTH], state["state"][TEMPERATURE] = 1.0 - initial_soc, AMBIENT_K
         state["state"][HYSTERESIS] = cell.hysteresis_start_v
         status = launch(cell, program, control, BENCH, state, book, clock, AMBIENT_K, engine)

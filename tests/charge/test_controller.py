@@ -47,11 +47,12 @@ def response(temperature, rate_k_s):
 def by_hand(law, seconds, interval, soc=0.3, step=0.0, span=1):
     """Charge from sample to sample by charges of constant current, deciding here what each one is."""
     from pipeline.cell.circuit import compile_cell
+    from pipeline.charge.books import book_for
     from pipeline.charge.controller import compile_control
     from pipeline.charge.period import new_clock
     from pipeline.charge.program import compile_program
     from pipeline.charge.protocol import resolve
-    from pipeline.charge.simulate import _book, launch
+    from pipeline.charge.simulate import launch
     from pipeline.charge.state import new_run
 
     state, cell = new_run(), compile_cell(NICKEL)
@@ -75,7 +76,7 @@ def by_hand(law, seconds, interval, soc=0.3, step=0.0, span=1):
         protocol = resolve(mode, 0.6)
         program = compile_program(protocol, 2, "edge")
         state["next_slot"] = 0
-        book = _book(program, settings(soc, **AT_30), cell)
+        book = book_for(program, settings(soc, **AT_30))
         engine = EngineSettings(tolerance=1e-7, maximum_steps=100_000)
         control = compile_control(protocol, 0.6)
         assert launch(cell, program, control, BENCH, state, book, new_clock(1.0), 303.15, engine) == 0

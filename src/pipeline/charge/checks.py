@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
+from typing import NamedTuple
 
 from pipeline.cell.records import Battery, resting_voltage_v
 from pipeline.charge.feasible import check_range, check_resistance, visited
@@ -89,6 +90,47 @@ LEAST_SHARE_OF_EMPTY, MOST_SHARE_OF_FULL = 0.5, 2.0
 MOST_COURSES = 100_000
 
 
+class Facts(NamedTuple):
+    """What a sheet is held against: a battery's capacity and cells, its voltages at rest, the start of the charge.
+
+    start_v, empty_v, full_v : at the start, and nearly empty and full at its temperature [V].
+    warm_full_v : nearly full at 25 degC [V].
+    lift_v : what the temperature at the start adds to the voltages of the sheet [V].
+    """
+
+    capacity_in_use_ah: float
+    cells: int
+    fills: bool
+    initial_soc: float
+    start_c: float
+    whose: str
+    sample_interval_s: float
+    start_v: float
+    empty_v: float
+    full_v: float
+    warm_full_v: float
+    lift_v: float
+
+
+def facts_of(battery: Battery, mode: Mode, settings: ChargeSettings) -> Facts:
+    """Return what a mode is held against."""
+    start_c = settings.start_c
+    return Facts(
+        battery.capacity_in_use_ah,
+        battery.cells,
+        battery.fills,
+        settings.initial_soc,
+        start_c,
+        "ambient's" if settings.initial_temperature_c is None else "battery's at the start,",
+        settings.sample_interval_s,
+        resting_voltage_v(battery, settings.initial_soc, start_c),
+        resting_voltage_v(battery, NEARLY_EMPTY, start_c),
+        resting_voltage_v(battery, NEARLY_FULL, start_c),
+        resting_voltage_v(battery, NEARLY_FULL, 25.0),
+        battery.cells * lift_of(mode).per_cell_v(start_c),
+    )
+
+
 def check(battery: Battery, mode: Mode, settings: ChargeSettings) -> None:
     """Check that a mode can be run; a number that another step is still to find is taken to be right.
 
@@ -96,23 +138,11 @@ def check(battery: Battery, mode: Mode, settings: ChargeSettings) -> None:
     ------
     UserError : with the key path below the mode, the value and what is allowed.
     """
-    resolver = Resolver(mode, battery.capacity_in_use_ah, battery.cells)
-    stop = _numbers(resolver.optional(mode.stop, "stop"))
-    lift_v = battery.cells * lift_of(mode).per_cell_v(settings.start_c)
-    for name, phase in mode.phases.items():
-        _check_phase(resolver, f"phases.{name}", phase, battery, settings)
-        if isinstance(phase.waveform, Sampled):
-            values = _numbers(parameters(resolver, phase.waveform, f"phases.{name}"))
-            check_sampled(f"phases.{name}", values, stop.get("elapsed_s", 0.0))
-    _check_until("stop", stop, battery, settings)
-    _check_ends(mode, stop, settings)
-    _check_charges(resolver, mode, battery, settings, lift_v)
-    _check_begun(resolver, mode, stop, battery, settings, lift_v)
-    check_watched(mode)
+    resolver = check_sheet(mode, facts_of(battery, mode, settings))
     low, high = visited(battery, mode, settings)
     check_range("battery", battery, low, high, settings.start_c)
     for name, phase in mode.phases.items():
-        if phase.waveform.holds_voltage or "voltage_v" in phase.limit.given:
+        if needs_resistance(phase):
             check_resistance(f"phases.{name}", battery, low, high)
     unused = sorted(set(mode.knobs) - resolver.used)
     if unused:
@@ -120,21 +150,51 @@ def check(battery: Battery, mode: Mode, settings: ChargeSettings) -> None:
         raise UserError(f"{unused[0]}: no phase uses this knob; {best_matches(unused[0], wanted)}")
 
 
-def _check_phase(resolver: Resolver, where: str, phase: Phase, battery: Battery, settings: ChargeSettings) -> None:
+def needs_resistance(phase: Phase) -> bool:
+    """Tell whether a phase holds a voltage, to which a current must belong."""
+    return phase.waveform.holds_voltage or "voltage_v" in phase.limit.given
+
+
+def check_sheet(mode: Mode, facts: Facts) -> Resolver:
+    """Check a mode against what is known of battery and conditions; return what it was looked up with.
+
+    Every comparison is with a straight line in each of the facts, so that a mode which passes for the least and for the
+    largest of each passes between.
+
+    Raises
+    ------
+    UserError : as `check`.
+    """
+    resolver = Resolver(mode, facts.capacity_in_use_ah, facts.cells)
+    stop = _numbers(resolver.optional(mode.stop, "stop"))
+    for name, phase in mode.phases.items():
+        _check_phase(resolver, f"phases.{name}", phase, facts)
+        if isinstance(phase.waveform, Sampled):
+            values = _numbers(parameters(resolver, phase.waveform, f"phases.{name}"))
+            check_sampled(f"phases.{name}", values, stop.get("elapsed_s", 0.0))
+    _check_until("stop", stop, facts)
+    _check_ends(mode, stop, facts)
+    _check_charges(resolver, mode, facts)
+    _check_begun(resolver, mode, stop, facts)
+    check_watched(mode)
+    return resolver
+
+
+def _check_phase(resolver: Resolver, where: str, phase: Phase, facts: Facts) -> None:
     waveform = phase.waveform
     values = _numbers(parameters(resolver, waveform, where))
     for name, value in values.items():
         if value != waveform.optional.get(name):
             _check_value(f"{where}.{name}", name.split(".")[0], value)
-            _check_current(f"{where}.{name}", name.split(".")[0], value, battery)
+            _check_current(f"{where}.{name}", name.split(".")[0], value, facts)
     if isinstance(waveform, Staged):
         _check_stages(where, waveform)
     if waveform.periodic:
         _check_period(where, waveform, values)
     for path, limit in _voltages(resolver, where, phase).items():
-        _check_voltage(path, limit, battery, settings)
+        _check_voltage(path, limit, facts)
     until = _numbers(resolver.optional(phase.until, f"{where}.until"))
-    _check_until(f"{where}.until", until, battery, settings)
+    _check_until(f"{where}.until", until, facts)
     if "current_a" in phase.until.given:
         if not isinstance(waveform, ConstantVoltage | ConstantCurrent | ConstantPower):
             raise UserError(f"{where}.until.current_a: only a constant current, voltage or power can end by current")
@@ -155,9 +215,9 @@ def _voltages(resolver: Resolver, where: str, phase: Phase) -> dict[str, float]:
     return found
 
 
-def _check_charges(resolver: Resolver, mode: Mode, battery: Battery, settings: ChargeSettings, lift_v: float) -> None:
+def _check_charges(resolver: Resolver, mode: Mode, facts: Facts) -> None:
     """Refuse a sheet of which no phase charges the battery it begins with: all their voltages are below its own."""
-    resting = resting_voltage_v(battery, settings.initial_soc, settings.start_c)
+    resting, lift_v = facts.start_v, facts.lift_v
     low: dict[str, float] = {}
     for name, phase in mode.phases.items():
         if isinstance(phase.waveform, Rest):
@@ -171,7 +231,7 @@ def _check_charges(resolver: Resolver, mode: Mode, battery: Battery, settings: C
         lifted = f" ({limit + lift_v:g} V at its temperature)" if lift_v else ""
         raise UserError(
             f"{path}: {limit:g} V{lifted} does not charge a battery that rests at {resting:.2f} V "
-            f"(SOC {settings.initial_soc:g}, {settings.start_c:g} degC); give more"
+            f"(SOC {facts.initial_soc:g}, {facts.start_c:g} degC); give more"
         )
 
 
@@ -184,24 +244,23 @@ def _check_value(path: str, name: str, value: float) -> None:
         raise UserError(f"{path}: {value:g}; it must be greater than 0")
 
 
-def _check_current(path: str, name: str, value: float, battery: Battery) -> None:
-    most = MOST_C_RATE * battery.capacity_in_use_ah
+def _check_current(path: str, name: str, value: float, facts: Facts) -> None:
+    most = MOST_C_RATE * facts.capacity_in_use_ah
     if name.endswith("_a") and value > most:
         raise UserError(
-            f"{path}: {value:g} A is {value / battery.capacity_in_use_ah:g} C of {battery.capacity_in_use_ah:g} Ah; "
+            f"{path}: {value:g} A is {value / facts.capacity_in_use_ah:g} C of {facts.capacity_in_use_ah:g} Ah; "
             f"allowed is up to {MOST_C_RATE:g} C, {most:g} A"
         )
-    most *= resting_voltage_v(battery, NEARLY_FULL, 25.0)
+    most *= facts.warm_full_v
     if name.endswith("_w") and value > most:
         raise UserError(f"{path}: {value:g} W; allowed is up to {MOST_C_RATE:g} C at the battery's voltage, {most:g} W")
 
 
-def _check_voltage(path: str, value: float, battery: Battery, settings: ChargeSettings) -> None:
-    empty, full = (resting_voltage_v(battery, soc, settings.start_c) for soc in (NEARLY_EMPTY, NEARLY_FULL))
-    least, most = max(0.0, LEAST_SHARE_OF_EMPTY * empty), MOST_SHARE_OF_FULL * full
+def _check_voltage(path: str, value: float, facts: Facts) -> None:
+    least, most = max(0.0, LEAST_SHARE_OF_EMPTY * facts.empty_v), MOST_SHARE_OF_FULL * facts.full_v
     if not least <= value <= most:
         raise UserError(
-            f"{path}: {value:g} V for a battery that rests at {full:.2f} V when full; "
+            f"{path}: {value:g} V for a battery that rests at {facts.full_v:.2f} V when full; "
             f"allowed is {least:.2f} to {most:.2f} V"
         )
 
@@ -229,29 +288,27 @@ def _check_period(where: str, waveform: Waveform, values: Mapping[str, float]) -
                 )
 
 
-def _check_until(where: str, until: Mapping[str, float], battery: Battery, settings: ChargeSettings) -> None:
+def _check_until(where: str, until: Mapping[str, float], facts: Facts) -> None:
     for name, value in until.items():
         if name != "temperature_c" and value <= 0.0:
             raise UserError(f"{where}.{name}: {value:g}; it must be greater than 0")
         if name == "elapsed_s" and value < SHORTEST_SEGMENT_S:
             raise UserError(f"{where}.{name}: {value:g} s; allowed is {SHORTEST_SEGMENT_S:g} s or more")
     if "voltage_v" in until:
-        _check_voltage(f"{where}.voltage_v", until["voltage_v"], battery, settings)
+        _check_voltage(f"{where}.voltage_v", until["voltage_v"], facts)
     soc = until.get("soc", 0.5)
-    if soc > 1.0 or (soc == 1.0 and not battery.fills):
-        raise UserError(
-            f"{where}.soc: {soc:g} is never reached; give {'1 or less' if battery.fills else 'less than 1'}"
-        )
+    if soc > 1.0 or (soc == 1.0 and not facts.fills):
+        raise UserError(f"{where}.soc: {soc:g} is never reached; give {'1 or less' if facts.fills else 'less than 1'}")
 
 
-def _check_ends(mode: Mode, stop: Mapping[str, float], settings: ChargeSettings) -> None:
+def _check_ends(mode: Mode, stop: Mapping[str, float], facts: Facts) -> None:
     if mode.stop.elapsed_s is None:
         raise UserError("stop.elapsed_s: missing; a charge needs a time at which it is given up")
-    if stop.get("soc", 1.0) <= settings.initial_soc:
-        raise UserError(f"stop.soc: {stop['soc']:g} is not above initial_soc {settings.initial_soc:g}")
-    if stop.get("elapsed_s", 0.0) / settings.sample_interval_s > MOST_SAMPLES:
+    if stop.get("soc", 1.0) <= facts.initial_soc:
+        raise UserError(f"stop.soc: {stop['soc']:g} is not above initial_soc {facts.initial_soc:g}")
+    if stop.get("elapsed_s", 0.0) / facts.sample_interval_s > MOST_SAMPLES:
         raise UserError(
-            f"stop.elapsed_s: {stop['elapsed_s']:g} s at a sample every {settings.sample_interval_s:g} s "
+            f"stop.elapsed_s: {stop['elapsed_s']:g} s at a sample every {facts.sample_interval_s:g} s "
             f"makes more than {MOST_SAMPLES} rows"
         )
     if mode.repeat * len(mode.phases) > MOST_COURSES:
@@ -270,21 +327,19 @@ def _check_begun(
     resolver: Resolver,
     mode: Mode,
     stop: Mapping[str, float],
-    battery: Battery,
-    settings: ChargeSettings,
-    lift_v: float,
+    facts: Facts,
 ) -> None:
     """Refuse what is over as it begins: the charge itself, all of its phases, currents never above theirs.
 
     A single phase that is over is skipped, as chargers do, and the outcome says so.
     """
-    resting = resting_voltage_v(battery, settings.initial_soc, settings.start_c) - lift_v
+    resting = facts.start_v - facts.lift_v
     over: list[str] = []
     for name, phase in mode.phases.items():
         where = f"phases.{name}.until"
         until = _numbers(resolver.optional(phase.until, where))
-        over += [] if isinstance(phase.waveform, Rest) else [_met_at_rest(where, until, resting, settings)]
-    for told in (_met_at_rest("stop", stop, resting, settings), over[0] if over and all(over) else ""):
+        over += [] if isinstance(phase.waveform, Rest) else [_met_at_rest(where, until, resting, facts)]
+    for told in (_met_at_rest("stop", stop, resting, facts), over[0] if over and all(over) else ""):
         if told:
             raise UserError(told)
     largest = {name: _largest_a(resolver, name, phase) for name, phase in mode.phases.items()}
@@ -299,19 +354,20 @@ def _check_begun(
             )
 
 
-def _met_at_rest(where: str, limits: Mapping[str, float], resting_v: float, settings: ChargeSettings) -> str:
+def _met_at_rest(where: str, limits: Mapping[str, float], resting_v: float, facts: Facts) -> str:
     """Return which limit a battery at rest is beyond, in words; empty where there is none."""
     if limits.get("voltage_v", math.inf) <= resting_v:
         return (
             f"{where}.voltage_v: {limits['voltage_v']:g} V is met at the start, where the battery rests at "
             f"{resting_v:.2f} V; give more"
         )
-    if limits.get("soc", 1.0) <= settings.initial_soc:
+    if limits.get("soc", 1.0) <= facts.initial_soc:
         soc = limits["soc"]
-        return f"{where}.soc: {soc:g} is met at the start, initial_soc {settings.initial_soc:g}; give more"
-    if limits.get("temperature_c", math.inf) <= settings.start_c:
-        whose = "ambient's" if settings.initial_temperature_c is None else "battery's at the start,"
-        return f"{where}.temperature_c: {limits['temperature_c']:g} degC is not above the {whose} {settings.start_c:g}"
+        return f"{where}.soc: {soc:g} is met at the start, initial_soc {facts.initial_soc:g}; give more"
+    if limits.get("temperature_c", math.inf) <= facts.start_c:
+        return (
+            f"{where}.temperature_c: {limits['temperature_c']:g} degC is not above the {facts.whose} {facts.start_c:g}"
+        )
     return ""
 
 

@@ -17,8 +17,8 @@ from pipeline.record import Reference
 _MOST_FALL = 0.005
 _LEAST_SHARE_OF_FULL = 1.0 / 3.0
 _POINTS = 100
-# As near to full as a battery comes that never fills.
-_NEARLY_FULL = 1.0 - 1e-6
+NEVER_FULL = 1.0 - 1e-6
+"""As near to full as a battery comes that never fills [1]."""
 _THERMAL_V_PER_K = 8.314462618 / 96485.33212
 _ZERO_CELSIUS_K = 273.15
 
@@ -28,17 +28,29 @@ def visited(battery: Battery, mode: Mode, settings: ChargeSettings) -> tuple[flo
 
     Pulses that take out more than they put in may empty the battery.
     """
-    resolver = Resolver(mode, battery.capacity_in_use_ah, battery.cells)
-    low, stop = settings.initial_soc, resolver.optional(mode.stop, "stop").get("soc", 1.0)
+    empties, stop = emptied(Resolver(mode, battery.capacity_in_use_ah, battery.cells), mode)
+    low = 0.0 if empties else settings.initial_soc
+    return low, min(1.0, max(stop, low))
+
+
+def emptied(resolver: Resolver, mode: Mode, margin: float = 0.0) -> tuple[bool, float]:
+    """Tell whether pulses take out more than they put in, and at which SOC the charge is stopped; 1 without a stop.
+
+    Arguments
+    ---------
+    margin : share by which they are taken to take out more than they do [1].
+    """
+    empties, stop = False, resolver.optional(mode.stop, "stop").get("soc", 1.0)
     for name, phase in mode.phases.items():
         if "discharge_a" not in type(phase.waveform).model_fields:
             continue
         found = parameters(resolver, phase.waveform, f"phases.{name}")
         numbers = {key: value for key, value in found.items() if not isinstance(value, Reference)}
         taken = numbers.get("discharge_a", 0.0) * numbers.get("discharge_share", 0.0)
+        taken *= 1.0 + margin
         if taken > numbers.get("charge_a", math.inf) * numbers.get("charge_share", 1.0) > 0.0:
-            low = 0.0
-    return low, 1.0 if isinstance(stop, Reference) else min(1.0, max(stop, low))
+            empties = True
+    return empties, 1.0 if isinstance(stop, Reference) else stop
 
 
 def check_range(path: str, battery: Battery, low: float, high: float, temperature_c: float) -> None:
@@ -57,12 +69,12 @@ def check_range(path: str, battery: Battery, low: float, high: float, temperatur
     ------
     UserError : with battery, key, SOC, value and what is allowed.
     """
-    high = min(high, 1.0 if battery.fills else _NEARLY_FULL)
+    high = min(high, 1.0 if battery.fills else NEVER_FULL)
     for key, curve in curves_of(battery):
         unit = "V" if key.endswith("_v") else "V/K" if key.endswith("_v_k") else "A" if key.endswith("_a") else "ohm"
         for soc in _grid([curve], low, high):
             value = value_of(curve, soc)
-            inside = 0.0 < soc < _NEARLY_FULL
+            inside = 0.0 < soc < NEVER_FULL
             if not math.isfinite(value) or (unit == "ohm" and value < 0.0) or (unit == "A" and value <= 0.0 and inside):
                 allowed = {"ohm": "0 or more", "A": "more than 0"}.get(unit, "a finite number")
                 raise _refusal(path, key, battery, soc, value, unit, low, f"allowed is {allowed}")

@@ -14,6 +14,7 @@ from pipeline.cell.circuit import ZERO_CELSIUS_K, Cell
 from pipeline.charge.protocol import UNTIL, Course, Protocol
 from pipeline.charge.record_keeping import SUPPLY_LIMITED_S, Book
 from pipeline.charge.segment import LIMITS
+from pipeline.charge.settling import Settled
 from pipeline.charge.state import DEPTH, TOTAL, Run
 
 Columns = dict[str, Any]
@@ -35,7 +36,7 @@ _MOST_NAMED = 4
 
 @dataclass(frozen=True)
 class Outcome:
-    """A finished run as the kernels left it, with what it was run on."""
+    """A finished run as the kernels left it, with what it was run on; of a population's, the cell is not kept."""
 
     cell: Cell
     protocol: Protocol
@@ -43,6 +44,7 @@ class Outcome:
     book: Book
     start: NDArray[np.float64]
     end_s: float
+    settled: Settled | None = None
 
 
 def trace(outcome: Outcome, ambient_c: float) -> Columns:

@@ -1,0 +1,341 @@
+"""Populations of charges: prepared and checked in blocks, run as arrays by several threads.
+
+A charge of a population is, bit for bit, the charge by itself: it runs through the same compiled program from the same
+numbers. A mode is held against its sheet once for all the batteries that it charges, batteries are compiled column by
+column, and tables are made when they are asked for. What samples, whose controllers keep what they have seen in arrays
+of their own, runs one by one.
+"""
+
+from __future__ import annotations
+
+import math
+from collections import deque
+from collections.abc import Callable, Sequence
+from concurrent.futures import ThreadPoolExecutor
+from functools import partial
+from queue import SimpleQueue
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pipeline.cell.bank import compile_cells, new_room
+from pipeline.cell.circuit import FIRST_PAIR, OPEN_CIRCUIT, ZERO_CELSIUS_K
+from pipeline.cell.curves import INVERSE, LOGARITHM
+from pipeline.cell.records import Battery
+from pipeline.charge import drive
+from pipeline.charge.books import failure, marks_of, points_of, rows_of, windows_of
+from pipeline.charge.checks import check
+from pipeline.charge.controller import compile_control
+from pipeline.charge.lot import (
+    CHANGES,
+    CONDITIONS,
+    EDGES,
+    PARTS_OF_BOOK,
+    PLACES,
+    STEPS,
+    Desk,
+    Lot,
+    new_desk,
+    new_lot,
+    pack_programs,
+    run_lot,
+)
+from pipeline.charge.outcome import Outcome
+from pipeline.charge.program import Program, compile_program
+from pipeline.charge.protocol import Protocol, resolve
+from pipeline.charge.records import ChargeSettings, Mode
+from pipeline.charge.settling import Settled
+from pipeline.charge.soundness import FOUND, SOUND, Group, Looked, Sheet, look
+from pipeline.charge.task import Charge, Supply, Task
+from pipeline.errors import EngineError, UserError
+
+BLOCK = 128
+"""Charges that are prepared together."""
+AHEAD = 2
+"""Blocks that are prepared before the charges of the first are wanted."""
+_CHUNKS = 8
+
+Failure = UserError | EngineError
+Alone = Callable[[Task], Charge]
+
+
+class _Run(NamedTuple):
+    """A mode on batteries of a kind, in the kernels' form."""
+
+    protocol: Protocol
+    program: Program
+    samples: bool
+
+
+class _Conditions(NamedTuple):
+    settings: ChargeSettings
+    marks: NDArray[np.float64]
+    windows: NDArray[np.float64]
+
+
+class _Known:
+    """What charges of a population have in common, each found once."""
+
+    def __init__(self) -> None:
+        self.sheets: list[Sheet] = []
+        self._sheet_of: dict[int, int] = {}
+        self._by_value: dict[str, list[int]] = {}
+        self._general: dict[int, bool] = {}
+        self._runs: dict[tuple[object, ...], _Run] = {}
+        self._settings: dict[int, _Conditions] = {}
+        self.rooms: SimpleQueue[NDArray[Any]] = SimpleQueue()
+
+    def sheet(self, mode: Mode) -> int:
+        """Return the number of a mode among those that differ."""
+        found = self._sheet_of.get(id(mode))
+        if found is None:
+            alike = self._by_value.setdefault(mode.model_dump_json(), [])
+            found = next((n for n in alike if self.sheets[n].mode == mode), -1)
+            if found < 0:
+                found = len(self.sheets)
+                self.sheets.append(Sheet(mode))
+                alike.append(found)
+            self._sheet_of[id(mode)] = found
+        return found
+
+    def conditions(self, settings: ChargeSettings) -> _Conditions:
+        """Return the settings with their marks and windows as arrays."""
+        found = self._settings.get(id(settings))
+        if found is None:
+            found = self._settings[id(settings)] = _Conditions(settings, marks_of(settings), windows_of(settings))
+        return found
+
+    def run(self, sheet: int, battery: Battery, capacity_ah: float, fills: bool, driver: str) -> _Run:
+        """Return a mode on a battery, in numbers; where no number is the battery's, for all of them.
+
+        Raises
+        ------
+        UserError : a number is still to be found.
+        """
+        kind = sheet, fills, battery.cells_in_series, battery.cells_in_unit, driver
+        key = kind if self._is_general(sheet) else (*kind, capacity_ah)
+        found = self._runs.get(key)
+        if found is None:
+            protocol = resolve(self.sheets[sheet].mode, capacity_ah, fills, battery.cells)
+            program = compile_program(protocol, battery.cells_in_series, driver, battery.cells_in_unit)
+            found = self._runs[key] = _Run(protocol, program, bool(program.sampled.any()))
+        return found
+
+    def _is_general(self, sheet: int) -> bool:
+        """Tell whether no number of a mode depends on the capacity: they are the same on another."""
+        if sheet not in self._general:
+            mode = self.sheets[sheet].mode
+            self._general[sheet] = resolve(mode, 1.0, cells=1) == resolve(mode, 2.0, cells=1)
+        return self._general[sheet]
+
+
+class _Batteries(NamedTuple):
+    """The batteries of a block, each object once, with what is asked of them again and again."""
+
+    cells: NDArray[Any]
+    row_of: dict[int, int]
+    capacity_ah: list[float]
+    series: list[int]
+    fills: list[bool]
+
+
+class _Block(NamedTuple):
+    """Charges that can be run, a row of the lot each, what they run, and those that failed before or run one by one."""
+
+    tasks: Sequence[Task]
+    lot: Lot | None
+    rows: dict[int, int]
+    runs: list[_Run]
+    failures: dict[int, Failure]
+
+
+def charge_many(tasks: Sequence[Task], threads: int, alone: Alone) -> list[Charge]:
+    """Charge many batteries at once; arguments, result and errors are those of `simulate_many`.
+
+    Arguments
+    ---------
+    alone : charges one battery.
+    """
+    known, desks = _Known(), SimpleQueue[Desk]()
+    for _ in range(threads):
+        desks.put(new_desk())
+    blocks = [tasks[begin : begin + BLOCK] for begin in range(0, len(tasks), BLOCK)]
+    charges: list[Charge] = []
+    with ThreadPoolExecutor(max_workers=threads) as pool:
+        under_way: deque[Callable[[], list[Charge]]] = deque()
+        for block in blocks:
+            under_way.append(_start(block, known, desks, alone, pool if threads > 1 else None))
+            if len(under_way) > AHEAD:
+                charges += under_way.popleft()()
+        while under_way:
+            charges += under_way.popleft()()
+    return charges
+
+
+def _start(
+    tasks: Sequence[Task], known: _Known, desks: SimpleQueue[Desk], alone: Alone, pool: ThreadPoolExecutor | None
+) -> Callable[[], list[Charge]]:
+    """Prepare a block and let it run; return what waits for its end and returns its charges."""
+    room = known.rooms.get() if not known.rooms.empty() else new_room(BLOCK)
+    block = _prepared(tasks, known, room)
+    rows = len(block.rows)
+    step = max(1, math.ceil(rows / (_CHUNKS if pool else 1)))
+    parts: list[Callable[[], object]] = []
+    if block.lot is not None:
+        parts = [partial(_run, block.lot, block.runs[0], desks, n, min(n + step, rows)) for n in range(0, rows, step)]
+    by_itself = [n for n in range(len(tasks)) if n not in block.rows and n not in block.failures]
+    single = {n: partial(alone, tasks[n]) for n in by_itself}
+    if pool is None:
+        waiting, singles = parts, single
+    else:
+        waiting = [pool.submit(part).result for part in parts]
+        singles = {n: pool.submit(one).result for n, one in single.items()}  # type: ignore[misc]
+
+    def finish() -> list[Charge]:
+        for wait in waiting:
+            wait()
+        known.rooms.put(room)
+        return [singles[n]() if n in singles else _charge(block, n) for n in range(len(tasks))]
+
+    return finish
+
+
+def _run(lot: Lot, run: _Run, desks: SimpleQueue[Desk], first: int, last: int) -> None:
+    desk = desks.get()
+    run_lot(lot, desk, compile_control(run.protocol, 0.0), first, last)
+    desks.put(desk)
+
+
+def _charge(block: _Block, place: int) -> Charge:
+    """Return a charge of a block that has run.
+
+    Raises
+    ------
+    UserError, EngineError : it has failed.
+    """
+    if place in block.failures:
+        raise block.failures[place]
+    task, row, lot = block.tasks[place], block.rows[place], block.lot
+    assert lot is not None
+    if lot.status[row] != drive.DONE:
+        steps = int(lot.counts[row, STEPS])
+        raise failure(int(lot.status[row]), float(lot.end_s[row]), steps, lot.state[row], task.engine)
+    return Charge(task, partial(_outcome, lot, row, block.runs[row]))
+
+
+def _outcome(lot: Lot, row: int, run: _Run) -> Outcome:
+    """Return a finished run; without its cell, which has been written over."""
+    steps, edges, changes = (int(lot.counts[row, n]) for n in (STEPS, EDGES, CHANGES))
+    end = {"state": lot.state[row], "at": lot.at[row], "steps": steps, "edges": edges, "changes": changes}
+    settled, end_s = Settled(*lot.settled[row].tolist()), float(lot.end_s[row])
+    return Outcome(None, run.protocol, end, lot.book(row), lot.start[row], end_s, settled)
+
+
+def _prepared(tasks: Sequence[Task], known: _Known, room: NDArray[Any]) -> _Block:
+    """Check charges up to the first that fails, and put those into arrays that do not run one by one."""
+    batteries = _batteries(tasks, room)
+    sheets = [known.sheet(task.mode) for task in tasks]
+    failures = _failures(tasks, known, sheets, batteries)
+    runs: dict[int, _Run] = {}
+    for n, task in enumerate(tasks):
+        if n in failures:
+            break
+        own = batteries.row_of[id(task.battery)]
+        capacity_ah, fills = batteries.capacity_ah[own], batteries.fills[own]
+        try:
+            run = known.run(sheets[n], task.battery, capacity_ah, fills, task.engine.driver)
+        except UserError as fault:
+            failures[n] = fault
+            break
+        if not run.samples:
+            runs[n] = run
+    first = min(failures, default=len(tasks))
+    # What comes after a failure is of no interest.
+    if failures:
+        failures |= dict.fromkeys(range(first, len(tasks)), failures[first])
+    rows = {n: row for row, n in enumerate(runs)}
+    lot = _lot([tasks[n] for n in runs], list(runs.values()), known, batteries) if runs else None
+    return _Block(tasks, lot, rows, list(runs.values()), failures)
+
+
+def _batteries(tasks: Sequence[Task], room: NDArray[Any]) -> _Batteries:
+    distinct = {id(task.battery): task.battery for task in tasks}
+    batteries = list(distinct.values())
+    cells = compile_cells(batteries, room)
+    curves = [OPEN_CIRCUIT, *range(FIRST_PAIR, cells["kind"].shape[1])]
+    kind, parameters = cells["kind"][:, curves], cells["parameters"][:, curves]
+    # As `Battery.fills`: no acceptance pair, and no pole where it is full.
+    pole = ((kind == LOGARITHM) & (parameters[..., 3] == 0.0)) | ((kind == INVERSE) & (parameters[..., 1] == 0.0))
+    fills = (cells["acceptance"] == 0) & ~pole.any(axis=1)
+    return _Batteries(
+        cells,
+        {key: row for row, key in enumerate(distinct)},
+        [battery.capacity_in_use_ah for battery in batteries],
+        [battery.cells for battery in batteries],
+        fills.tolist(),
+    )
+
+
+def _failures(tasks: Sequence[Task], known: _Known, sheets: Sequence[int], batteries: _Batteries) -> dict[int, Failure]:
+    """Return what is wrong with charges, by their place."""
+    groups: dict[tuple[int, Group], list[int]] = {}
+    own = [batteries.row_of[id(task.battery)] for task in tasks]
+    for n, row in enumerate(own):
+        groups.setdefault((sheets[n], Group(batteries.series[row], batteries.fills[row])), []).append(n)
+    capacity_ah = np.array(batteries.capacity_ah)[own]
+    asked, held = np.empty((len(tasks), 4)), np.zeros(len(tasks), dtype=np.bool_)
+    asked[:, 0] = [task.settings.initial_soc for task in tasks]
+    asked[:, 3] = [task.settings.start_c for task in tasks]
+    interval_s = np.array([task.settings.sample_interval_s for task in tasks])
+    for (number, group), members in groups.items():
+        sheet, at = known.sheets[number], capacity_ah[members]
+        low, high = sheet.visited(group, float(at.min()), float(at.max()), asked[members, 0])
+        asked[members, 1], asked[members, 2], held[members] = low, high, sheet.held
+    found = np.empty((len(tasks), FOUND))
+    look(batteries.cells, np.array(own, dtype=np.int64), asked, held, found)
+    looked = Looked(capacity_ah, interval_s, asked, found)
+    doubtful = set(np.flatnonzero(found[:, SOUND] == 0.0).tolist())
+    for (number, group), members in groups.items():
+        clear = [n for n in members if n not in doubtful]
+        doubtful |= set(known.sheets[number].doubtful(group, np.array(clear, dtype=np.int64), looked))
+    failures: dict[int, Failure] = {}
+    for n in sorted(doubtful):
+        try:
+            check(tasks[n].battery, tasks[n].mode, tasks[n].settings)
+        except UserError as fault:
+            failures[n] = fault
+            break
+    return failures
+
+
+def _lot(tasks: Sequence[Task], runs: Sequence[_Run], known: _Known, batteries: _Batteries) -> Lot:
+    """Return charges in arrays."""
+    programs = {id(run): run.program for run in runs}
+    supplies = {id(task.supply): task.supply for task in tasks}
+    program_of, supply_of = ({key: n for n, key in enumerate(one)} for one in (programs, supplies))
+    own = [known.conditions(task.settings) for task in tasks]
+    conditions, places = np.empty((len(tasks), CONDITIONS)), np.empty((len(tasks), PLACES), dtype=np.int64)
+    rooms = np.empty((len(tasks), PARTS_OF_BOOK), dtype=np.int64)
+    for n, (task, run, (settings, marks, windows)) in enumerate(zip(tasks, runs, own, strict=True)):
+        engine, program = task.engine, run.program
+        conditions[n] = (
+            settings.initial_soc, settings.start_c + ZERO_CELSIUS_K, settings.sample_interval_s,
+            settings.ambient_c + ZERO_CELSIUS_K, engine.tolerance, engine.maximum_step_s,
+        )  # fmt: skip
+        places[n] = (
+            batteries.row_of[id(task.battery)], program_of[id(run)], supply_of[id(task.supply)], engine.maximum_steps,
+        )  # fmt: skip
+        rooms[n] = (
+            rows_of(program.stop_elapsed_s, settings.sample_interval_s), len(program.segments),
+            points_of(program, windows), len(marks), len(windows),
+        )  # fmt: skip
+    marks, windows = np.concatenate([one.marks for one in own]), np.concatenate([one.windows for one in own])
+    packed = pack_programs(list(programs.values()))
+    return new_lot(batteries.cells, packed, _packed(list(supplies.values())), conditions, places, rooms, marks, windows)
+
+
+def _packed(supplies: Sequence[Supply]) -> tuple[NDArray[np.int64], NDArray[np.float64], NDArray[np.float64]]:
+    begin = np.cumsum([0, *(len(supply.time_s) for supply in supplies)], dtype=np.int64)
+    times, powers = [supply.time_s for supply in supplies], [supply.power_w for supply in supplies]
+    return begin, np.concatenate(times).astype(np.float64), np.concatenate(powers).astype(np.float64)
