@@ -12,7 +12,7 @@ from pipeline.cell.records import Battery, resting_voltage_v
 from pipeline.charge import population
 from pipeline.charge.feasible import NEVER_FULL, check_range, check_resistance
 from pipeline.charge.records import ChargeSettings, EngineSettings, Mode, Window
-from pipeline.charge.simulate import BENCH, Supply, Task, simulate, simulate_many
+from pipeline.charge.simulate import BENCH, Supply, Task, simulate, simulate_many, try_many
 from pipeline.charge.soundness import EMPTY_V, FOUND, FULL_V, SOUND, START_V, WARM_FULL_V, look
 from pipeline.errors import EngineError, UserError
 from tests.charge.samples import BATTERIES, MODES, SUITED, battery, load, settings, suited_mode
@@ -145,6 +145,7 @@ def test_random_populations_are_the_same_bit_for_bit_and_refused_alike(drawn, bl
     first = next((told for _, told in expected if told), "")
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(population, "BLOCK", block)
+        patch.setattr(population, "FEW", 1)
         found, told = charge_or_refusal(lambda: simulate_many(asked, threads))
     assert told == first
     for mine, (theirs, _) in zip(found or [], expected, strict=bool(found)):
@@ -211,7 +212,7 @@ def test_a_mode_that_does_not_fit_is_named():
     bad = Mode(**(load("modes/cc_cv.yaml") | {"voltage_v": 11.0}))
     one = tasks()[0]
     with pytest.raises(UserError, match="11 V does not charge"):
-        simulate_many([one, one._replace(battery=battery("lead_acid_12v7ah"), mode=bad)])
+        simulate_many([*tasks(), one._replace(battery=battery("lead_acid_12v7ah"), mode=bad)])
 
 
 def test_the_first_failure_counts_whatever_kind_it_is():
@@ -221,9 +222,24 @@ def test_the_first_failure_counts_whatever_kind_it_is():
     for wrong in ([refused, exhausted], [exhausted, refused]):
         with pytest.raises((UserError, EngineError)) as alone:
             simulate(*wrong[0])
-        with pytest.raises(type(alone.value)) as together:
-            simulate_many([*good, *wrong, *good])
-        assert str(together.value) == str(alone.value)
+        for many in (wrong, [*good, *good, *wrong, *good]):
+            with pytest.raises(type(alone.value)) as together:
+                simulate_many(many)
+            assert str(together.value) == str(alone.value)
+    with pytest.raises(EngineError, match="the steps are used up"):
+        try_many([*good, refused, *good, exhausted])
+
+
+def test_what_does_not_fit_stands_in_its_place():
+    good = [task for task in tasks() if task.battery.name == "lead_acid_12v7ah"]
+    low = Mode(**(load("modes/cc_cv.yaml") | {"voltage_v": 11.0}))
+    for many in ([good[0], good[0]._replace(mode=low), good[1]], [*good, good[0]._replace(mode=low), *good, *good]):
+        for task, found in zip(many, try_many(many), strict=True):
+            if task.mode == low:
+                assert isinstance(found, UserError)
+                assert "11 V does not charge" in str(found)
+            else:
+                assert_same(found, simulate(*task))
 
 
 def test_an_open_reference_is_refused_as_alone():
@@ -231,6 +247,8 @@ def test_an_open_reference_is_refused_as_alone():
     open_mode = Mode.model_validate(one.mode.model_dump() | {"voltage_v": {"from": "search", "value": "voltage_v"}})
     with pytest.raises(UserError, match="still to be found by 'search'"):
         simulate_many([one, one._replace(mode=open_mode)])
+    with pytest.raises(UserError, match="still to be found by 'search'"):
+        simulate_many([*tasks(), one._replace(mode=open_mode)])
 
 
 def test_one_sheet_is_looked_at_once_for_a_population(monkeypatch):

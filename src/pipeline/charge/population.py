@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import math
 from collections import deque
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from functools import partial
 from queue import SimpleQueue
@@ -46,17 +46,19 @@ from pipeline.charge.program import Program, compile_program
 from pipeline.charge.protocol import Protocol, resolve
 from pipeline.charge.records import ChargeSettings, Mode
 from pipeline.charge.settling import Settled
-from pipeline.charge.soundness import FOUND, SOUND, Group, Looked, Sheet, look
+from pipeline.charge.soundness import FAULTS, FOUND, SOUND, Group, Looked, Sheet, look
 from pipeline.charge.task import Charge, Supply, Task
-from pipeline.errors import EngineError, UserError
+from pipeline.errors import EngineError
 
 BLOCK = 128
 """Charges that are prepared together."""
+FEW = 8
+"""Charges of which fewer are run one by one: nothing is compiled for them that single ones do not need."""
 AHEAD = 2
 """Blocks that are prepared before the charges of the first are wanted."""
 _CHUNKS = 8
 
-Failure = UserError | EngineError
+Failure = Exception
 Alone = Callable[[Task], Charge]
 
 
@@ -150,32 +152,45 @@ class _Block(NamedTuple):
     failures: dict[int, Failure]
 
 
-def charge_many(tasks: Sequence[Task], threads: int, alone: Alone) -> list[Charge]:
-    """Charge many batteries at once; arguments, result and errors are those of `simulate_many`.
+def charge_many(tasks: Sequence[Task], threads: int, alone: Alone) -> Iterator[Charge | Failure]:
+    """Charge many batteries at once; yield each charge, or why there is none, in the order of the tasks.
 
     Arguments
     ---------
-    alone : charges one battery.
+    threads : charges under way at once.
+    alone : charges one battery; its errors are those of `simulate`.
     """
-    known, desks = _Known(), SimpleQueue[Desk]()
-    for _ in range(threads):
-        desks.put(new_desk())
-    blocks = [tasks[begin : begin + BLOCK] for begin in range(0, len(tasks), BLOCK)]
-    charges: list[Charge] = []
     with ThreadPoolExecutor(max_workers=threads) as pool:
-        under_way: deque[Callable[[], list[Charge]]] = deque()
-        for block in blocks:
-            under_way.append(_start(block, known, desks, alone, pool if threads > 1 else None))
+        if len(tasks) < FEW:
+            yield from pool.map(partial(_attempt, alone), tasks)
+            return
+        known, desks = _Known(), SimpleQueue[Desk]()
+        for _ in range(threads):
+            desks.put(new_desk())
+        under_way: deque[Callable[[], list[Charge | Failure]]] = deque()
+        for begin in range(0, len(tasks), BLOCK):
+            block = tasks[begin : begin + BLOCK]
+            under_way.append(_start(block, known, desks, partial(_attempt, alone), pool if threads > 1 else None))
             if len(under_way) > AHEAD:
-                charges += under_way.popleft()()
+                yield from under_way.popleft()()
         while under_way:
-            charges += under_way.popleft()()
-    return charges
+            yield from under_way.popleft()()
+
+
+def _attempt(alone: Alone, task: Task) -> Charge | Failure:
+    try:
+        return alone(task)
+    except (*FAULTS, EngineError) as fault:
+        return fault
 
 
 def _start(
-    tasks: Sequence[Task], known: _Known, desks: SimpleQueue[Desk], alone: Alone, pool: ThreadPoolExecutor | None
-) -> Callable[[], list[Charge]]:
+    tasks: Sequence[Task],
+    known: _Known,
+    desks: SimpleQueue[Desk],
+    alone: Callable[[Task], Charge | Failure],
+    pool: ThreadPoolExecutor | None,
+) -> Callable[[], list[Charge | Failure]]:
     """Prepare a block and let it run; return what waits for its end and returns its charges."""
     room = known.rooms.get() if not known.rooms.empty() else new_room(BLOCK)
     block = _prepared(tasks, known, room)
@@ -192,7 +207,7 @@ def _start(
         waiting = [pool.submit(part).result for part in parts]
         singles = {n: pool.submit(one).result for n, one in single.items()}  # type: ignore[misc]
 
-    def finish() -> list[Charge]:
+    def finish() -> list[Charge | Failure]:
         for wait in waiting:
             wait()
         known.rooms.put(room)
@@ -207,20 +222,15 @@ def _run(lot: Lot, run: _Run, desks: SimpleQueue[Desk], first: int, last: int) -
     desks.put(desk)
 
 
-def _charge(block: _Block, place: int) -> Charge:
-    """Return a charge of a block that has run.
-
-    Raises
-    ------
-    UserError, EngineError : it has failed.
-    """
+def _charge(block: _Block, place: int) -> Charge | Failure:
+    """Return a charge of a block that has run, or why there is none."""
     if place in block.failures:
-        raise block.failures[place]
+        return block.failures[place]
     task, row, lot = block.tasks[place], block.rows[place], block.lot
     assert lot is not None
     if lot.status[row] != drive.DONE:
         steps = int(lot.counts[row, STEPS])
-        raise failure(int(lot.status[row]), float(lot.end_s[row]), steps, lot.state[row], task.engine)
+        return failure(int(lot.status[row]), float(lot.end_s[row]), steps, lot.state[row], task.engine)
     return Charge(task, partial(_outcome, lot, row, block.runs[row]))
 
 
@@ -233,27 +243,23 @@ def _outcome(lot: Lot, row: int, run: _Run) -> Outcome:
 
 
 def _prepared(tasks: Sequence[Task], known: _Known, room: NDArray[Any]) -> _Block:
-    """Check charges up to the first that fails, and put those into arrays that do not run one by one."""
+    """Check charges, and put those into arrays that do not run one by one."""
     batteries = _batteries(tasks, room)
     sheets = [known.sheet(task.mode) for task in tasks]
     failures = _failures(tasks, known, sheets, batteries)
     runs: dict[int, _Run] = {}
     for n, task in enumerate(tasks):
         if n in failures:
-            break
+            continue
         own = batteries.row_of[id(task.battery)]
         capacity_ah, fills = batteries.capacity_ah[own], batteries.fills[own]
         try:
             run = known.run(sheets[n], task.battery, capacity_ah, fills, task.engine.driver)
-        except UserError as fault:
+        except FAULTS as fault:
             failures[n] = fault
-            break
+            continue
         if not run.samples:
             runs[n] = run
-    first = min(failures, default=len(tasks))
-    # What comes after a failure is of no interest.
-    if failures:
-        failures |= dict.fromkeys(range(first, len(tasks)), failures[first])
     rows = {n: row for row, n in enumerate(runs)}
     lot = _lot([tasks[n] for n in runs], list(runs.values()), known, batteries) if runs else None
     return _Block(tasks, lot, rows, list(runs.values()), failures)
@@ -303,9 +309,8 @@ def _failures(tasks: Sequence[Task], known: _Known, sheets: Sequence[int], batte
     for n in sorted(doubtful):
         try:
             check(tasks[n].battery, tasks[n].mode, tasks[n].settings)
-        except UserError as fault:
+        except FAULTS as fault:
             failures[n] = fault
-            break
     return failures
 
 

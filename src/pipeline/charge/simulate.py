@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import os
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
 
 import numpy as np
 
@@ -18,7 +18,7 @@ from pipeline.charge.controller import Control, compile_control
 from pipeline.charge.lot import run_lot
 from pipeline.charge.outcome import Outcome
 from pipeline.charge.period import Clock, new_clock, run_periods
-from pipeline.charge.population import charge_many
+from pipeline.charge.population import FEW, charge_many
 from pipeline.charge.program import Program, compile_program
 from pipeline.charge.protocol import resolve
 from pipeline.charge.record_keeping import Book
@@ -27,6 +27,7 @@ from pipeline.charge.settling import settled_of
 from pipeline.charge.state import DEPTH, HYSTERESIS, TEMPERATURE, Run, new_run
 from pipeline.charge.stride import new_stride
 from pipeline.charge.task import BENCH, Charge, Supply, Task
+from pipeline.errors import UserError
 from pipeline.jit import by_reference
 
 __all__ = [
@@ -40,6 +41,7 @@ __all__ = [
     "run",
     "simulate",
     "simulate_many",
+    "try_many",
     "warm_up",
 ]
 
@@ -80,6 +82,31 @@ def simulate_many(tasks: Iterable[Task], threads: int | None = None) -> list[Cha
     ------
     UserError, EngineError : as `simulate`, for the first charge that fails.
     """
+    charges: list[Charge] = []
+    for found in _attempts(tasks, threads):
+        if isinstance(found, Exception):
+            raise found
+        charges.append(found)
+    return charges
+
+
+def try_many(
+    tasks: Iterable[Task], refusals: tuple[type[Exception], ...] = (UserError,), threads: int | None = None
+) -> list[Charge | Exception]:
+    """Do as `simulate_many` for charges that may not be possible; what is refused stands in the charge's place.
+
+    Arguments
+    ---------
+    refusals : the errors that are returned and not raised.
+    """
+    found = list(_attempts(tasks, threads))
+    for one in found:
+        if isinstance(one, Exception) and not isinstance(one, refusals):
+            raise one
+    return found
+
+
+def _attempts(tasks: Iterable[Task], threads: int | None) -> Iterator[Charge | Exception]:
     count = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else (os.cpu_count() or 1)
     return charge_many(list(tasks), threads or count, lambda task: simulate(*task))
 
@@ -173,6 +200,6 @@ def warm_up() -> list[str]:
     """Compile every kernel by a fraction of a second of a charge; return their names."""
     settings = ChargeSettings(initial_soc=0.5, ambient_c=25.0)
     task = Task(_WARM_UP_BATTERY, _WARM_UP_MODE, BENCH, settings, EngineSettings())
-    for charge in (simulate(*task), *simulate_many([task])):
+    for charge in (simulate(*task), *simulate_many([task] * FEW)):
         assert charge.energy
     return [kernel.__name__ for kernel in (drive.run_program, run_lot, run_periods, enthalpy, value_and_slope)]

@@ -23,6 +23,8 @@ from pipeline.jit import kernel
 
 Array = NDArray[np.float64]
 
+FAULTS = (UserError, ValueError, ArithmeticError, LookupError)
+"""What a check, or what it makes of numbers that fit nothing, may raise."""
 # Columns of what is found of each charge.
 SOUND, START_V, EMPTY_V, FULL_V, WARM_FULL_V, FOUND = range(6)
 _POINTS = 100
@@ -203,7 +205,7 @@ class Sheet:
         if key not in self._emptied:
             try:
                 ends = [emptied(Resolver(self.mode, ah, group.cells), self.mode, _CLEAR) for ah in key[:2]]
-            except UserError:
+            except FAULTS:
                 # The sheet is refused below.
                 ends = [(True, 1.0)]
             self._emptied[key] = any(empties for empties, _ in ends), ends[0][1]
@@ -260,7 +262,7 @@ class Sheet:
     def _check(self, ends: list[Facts]) -> bool:
         try:
             used = [check_sheet(self.mode, facts).used for facts in ends]
-        except UserError:
+        except FAULTS:
             return False
         return all(set(self.mode.knobs) <= one for one in used)
 

@@ -6,10 +6,9 @@ from collections.abc import Iterator, Mapping
 from typing import Any
 
 from pipeline.cell.records import Battery
-from pipeline.charge.checks import check
 from pipeline.charge.comparison import compared, level_of
 from pipeline.charge.records import ChargeSettings, EngineSettings, Mode
-from pipeline.charge.simulate import Charge, Supply, Task, simulate_many
+from pipeline.charge.simulate import Charge, Supply, Task, try_many
 from pipeline.experiments.charges.charge import supply
 from pipeline.kernel.artefacts import Inputs, Output
 from pipeline.kernel.digest import canonical
@@ -25,47 +24,42 @@ def run(settings: Mapping[str, Any], inputs: Inputs, output: Output) -> None:
     """Charge in every point whatever statements read."""
     points = ensemble.draw(settings["estimated"], settings["points"], settings["seed"])
     source, rows = supply(inputs), list[ensemble.Row]()
+    engine = EngineSettings.model_validate(settings["engine"])
     for start in range(0, len(points), BATCH):
         batch = enumerate(points[start : start + BATCH], start)
-        prepared = [(number, *_prepared(settings, values, source)) for number, values in batch]
+        prepared = [(number, *_prepared(settings, values, source, engine)) for number, values in batch]
         tasks = [task for _, _, own in prepared for task in own.values()]
-        done = iter(simulate_many(tasks))
+        done = iter(try_many(tasks, ensemble.IMPOSSIBLE))
         for number, sheets, own in prepared:
-            charges = {sheet: next(done) for sheet in own}
+            charges = {sheet: found for sheet in own if isinstance(found := next(done), Charge)}
             rows += _answers(number, settings, {name: charges.get(sheet) for name, sheet in sheets.items()})
         print(f"{min(start + BATCH, len(points))} of {len(points)} points", flush=True)
     output.rows("ensemble", rows)
 
 
 def _prepared(
-    settings: Mapping[str, Any], values: Mapping[str, float], source: Supply
+    settings: Mapping[str, Any], values: Mapping[str, float], source: Supply, engine: EngineSettings
 ) -> tuple[dict[Name, str], dict[str, Task]]:
-    """Return the sheet of every charge, and the task of every sheet that a charger would accept."""
+    """Return the sheet of every charge, empty where no charger can have it, and the task of every sheet."""
     tree = ensemble.with_values({name: settings[name] for name in ("battery", "modes", "charge")}, values)
-    sheets: dict[Name, str] = {}
+    asked: list[Name] = [(comparison, name) for comparison, name in settings["charges"]]
+    sheets = dict.fromkeys(asked, "")
     tasks: dict[str, Task] = {}
-    for comparison, name in settings["charges"]:
+    try:
+        battery = Battery.model_validate(tree["battery"])
+        charge = ChargeSettings.model_validate(tree["charge"])
+        modes = {key: Mode.model_validate(one) for key, one in tree["modes"].items()}
+    except ensemble.IMPOSSIBLE:
+        return sheets, tasks
+    for comparison, name in asked:
+        level = level_of(settings["comparisons"][comparison], modes)
         try:
-            task, sheet = _task(settings, tree, comparison, name, source)
+            mode = compared(modes[name], level, battery, settings["stops"].get(comparison))
         except ensemble.IMPOSSIBLE:
-            sheets[comparison, name] = ""
             continue
-        sheets[comparison, name] = sheet
-        tasks.setdefault(sheet, task)
+        sheet = sheets[comparison, name] = canonical([name, mode.model_dump(mode="json")])
+        tasks.setdefault(sheet, Task(battery, mode, source, charge, engine))
     return sheets, tasks
-
-
-def _task(
-    settings: Mapping[str, Any], tree: Mapping[str, Any], comparison: str, name: str, source: Supply
-) -> tuple[Task, str]:
-    battery = Battery.model_validate(tree["battery"])
-    charge = ChargeSettings.model_validate(tree["charge"])
-    modes = {key: Mode.model_validate(one) for key, one in tree["modes"].items()}
-    level = level_of(settings["comparisons"][comparison], modes)
-    mode = compared(modes[name], level, battery, settings["stops"].get(comparison))
-    check(battery, mode, charge)
-    task = Task(battery, mode, source, charge, EngineSettings.model_validate(settings["engine"]))
-    return task, canonical([name, mode.model_dump(mode="json")])
 
 
 def _answers(point: int, settings: Mapping[str, Any], charges: Mapping[Name, Charge | None]) -> Iterator[ensemble.Row]:
