@@ -70,6 +70,21 @@ def check_range(path: str, battery: Battery, low: float, high: float, temperatur
     UserError : with battery, key, SOC, value and what is allowed.
     """
     high = min(high, 1.0 if battery.fills else NEVER_FULL)
+    looked_at = (id(battery), low, high, temperature_c)
+    if looked_at in _SOUND:
+        return
+    _look(path, battery, low, high, temperature_c)
+    while len(_SOUND) >= _MOST_SOUND:
+        _SOUND.pop(next(iter(_SOUND)), None)
+    _SOUND[looked_at] = battery
+
+
+_SOUND: dict[tuple[int, float, float, float], Battery] = {}
+"""What was looked at last and found sound: every mode of a study asks for the same, and every run of a sweep."""
+_MOST_SOUND = 256
+
+
+def _look(path: str, battery: Battery, low: float, high: float, temperature_c: float) -> None:
     for key, curve in curves_of(battery):
         unit = "V" if key.endswith("_v") else "V/K" if key.endswith("_v_k") else "A" if key.endswith("_a") else "ohm"
         for soc in _grid([curve], low, high):

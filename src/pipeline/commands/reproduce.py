@@ -21,7 +21,7 @@ from typing import Any
 from pipeline.commands import expected as expectation
 from pipeline.commands.expected import Comparison, Recorded
 from pipeline.commands.run import cores
-from pipeline.config.planning import run_name
+from pipeline.config.naming import run_name
 from pipeline.errors import UserError
 from pipeline.kernel import places
 from pipeline.kernel.store import write_text

@@ -37,13 +37,15 @@ def main(arguments: Sequence[str]) -> int:
         for run in _expanded(words, options_.multirun):
             _show(run)
         return 0
-    plan = planned(words, options_.multirun)
+    swept = options_.multirun and options_.target == "all"
+    plan = swept_plan(words, options_.cores) if swept else planned(words, options_.multirun)
     for line in planfile.warnings(plan):
         print(line, file=sys.stderr, flush=True)
     planfile.target(plan, options_.target)
     file = planfile.save(plan, store.RESULTS, say)
+    count = sum(len(run.get("sweep", [run])) for run in plan["runs"])
     print(
-        f"plan {file}: {len(plan['runs'])} run{'s' * (len(plan['runs']) != 1)}, {len(plan['nodes'])} artefacts, "
+        f"plan {file}: {count} run{'s' * (count != 1)}, {len(plan['nodes'])} artefacts, "
         f"{len(plan['chunks'])} jobs at most",
         flush=True,
     )
@@ -77,6 +79,30 @@ def planned(words: Sequence[str], multirun: bool = False) -> dict[str, Any]:
         return make_plan(_expanded(words, multirun))
 
     return planfile.remembered(["run", str(multirun), *words], made)
+
+
+def swept_plan(words: Sequence[str], cores: str) -> dict[str, Any]:
+    """Return the plan of a sweep: of every run its charges, of all runs one table.
+
+    Arguments
+    ---------
+    words : Hydra's overrides, some with several values; `sweep.name=NAME` and `sweep.keep=[...]` are of the sweep.
+    cores : jobs at a time, as Snakemake takes them.
+
+    Raises
+    ------
+    UserError : as `planned`.
+    """
+    count = int(cores) if cores.isdecimal() else os.cpu_count() or 1
+
+    def made() -> dict[str, Any]:
+        from pipeline.commands.progress import through
+        from pipeline.config.sweep import asked, make_sweep
+
+        own, wanted = asked(words)
+        return make_sweep(own, wanted, count, through)
+
+    return planfile.remembered(["sweep", str(count), *words], made)
 
 
 def _expanded(words: Sequence[str], multirun: bool) -> list[list[str]]:

@@ -27,7 +27,7 @@ def tell(plan: Mapping[str, Any], targets: Iterable[str], results: Path) -> Iter
             yield from import_module(module).lines(run, steps, results)
     for run, steps in made[:MOST_RUNS]:
         yield f"results: {view_folder(results, run, 'results')}"
-        if "page" in steps:
+        if {"page", "sweep_page"} & steps:
             yield f"the page: {view_folder(results, run, 'reports') / 'index.html'}"
     if len(made) > MOST_RUNS:
         yield f"and {len(made) - MOST_RUNS} more runs beside them"

@@ -21,7 +21,7 @@ from hydra._internal.utils import create_config_search_path
 from hydra.core.config_loader import ConfigLoader
 from hydra.core.global_hydra import GlobalHydra
 from hydra.core.override_parser.overrides_parser import OverridesParser
-from hydra.core.override_parser.types import ChoiceSweep, Override, RangeSweep
+from hydra.core.override_parser.types import ChoiceSweep, Override, OverrideType, RangeSweep
 from hydra.core.plugins import Plugins
 from hydra.grammar.gen.OverrideLexer import InputStream, OverrideLexer  # type: ignore[attr-defined]
 from hydra.plugins.config_source import ConfigResult, ConfigSource
@@ -117,6 +117,21 @@ def overridden(
         check(dict(written))
         done: Any = OmegaConf.to_container(config, resolve=True, throw_on_missing=True)
     return dict(done)
+
+
+def applied(tree: Mapping[str, Any], words: Sequence[Override]) -> dict[str, Any]:
+    """Return a plain tree with some values overridden as Hydra would do it, its interpolations as they are written."""
+    config = OmegaConf.create(dict(tree))
+    OmegaConf.set_struct(config, True)
+    with _without_resolvers():
+        ConfigLoaderImpl._apply_overrides_to_config(list(words), config)
+        written: Any = OmegaConf.to_container(config, resolve=False)
+    return dict(written)
+
+
+def changes(word: Override) -> bool:
+    """Tell whether an override changes a value that is there, and neither adds nor takes one out."""
+    return word.type is OverrideType.CHANGE and word.package is None
 
 
 def spelled(word: str) -> Iterator[str]:

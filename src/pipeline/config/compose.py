@@ -140,7 +140,12 @@ def compose_tree(overrides: Sequence[str], conf: Path = CONF) -> Composed:
     """
     words = tuple(overrides)
     parse(words)
-    return _compose([*_mode_words(words, conf), *_panel_words(words), *words], words, conf)
+    return _compose([*surrounding(words, conf), *words], words, conf)
+
+
+def surrounding(words: Sequence[str], conf: Path) -> list[str]:
+    """Return the overrides that come before those of a person: every mode, and what a panel's name alone says."""
+    return [*_mode_words(words, conf), *_panel_words(words)]
 
 
 def _compose(words: Sequence[str], typed: tuple[str, ...], conf: Path) -> Composed:

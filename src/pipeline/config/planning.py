@@ -8,6 +8,7 @@ from typing import Any
 
 from pipeline.config.compose import compose_tree
 from pipeline.config.effort import check_effort
+from pipeline.config.naming import run_name
 from pipeline.config.study import study_from
 from pipeline.kernel import digest, plan, publish, registry, store
 from pipeline.kernel.draft import drafts, plain
@@ -30,17 +31,6 @@ def make_plan(overrides: Iterable[Sequence[str]], asked: Collection[str] | None 
     """
     runs = [run for words in overrides for run in _runs(words, asked)]
     return plan.make(runs, asked or ())
-
-
-def run_name(overrides: Sequence[str]) -> str:
-    """Return the folder name of a run: its overrides, or `default` where it has none."""
-    words = sorted(overrides)
-    if not words:
-        return "default"
-    name = ",".join(words).replace("/", "-").replace(" ", "").replace("'", "").replace('"', "")
-    if len(name) > 100:
-        name = f"{name[:88]}-{digest.of_value(words)[:8]}"
-    return name
 
 
 def run_of(words: Sequence[str]) -> plan.Run:

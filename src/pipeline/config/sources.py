@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from typing import Any, Literal
 
 from pydantic import ValidationError, model_validator
@@ -223,10 +223,27 @@ def check_references(study: Any) -> None:
     ------
     UserError : with the key path, the value and what is allowed.
     """
-    found = found_values(study)
+    check_found(references(study), found_values(study), study.overrides)
+
+
+def check_found(
+    asked: Iterable[tuple[str, Mapping[str, Any]]], found: Mapping[str, tuple[str, ...]], overrides: Iterable[str]
+) -> None:
+    """Refuse a reference to a value that no step finds.
+
+    Arguments
+    ---------
+    asked : key path and reference of each.
+    found : step -> names of the values it finds.
+    overrides : what is overridden is told first.
+
+    Raises
+    ------
+    UserError : with the key path, the value and what is allowed.
+    """
     # Others may have theirs from one that an override changed: that one is told first.
-    own = [word.split("=", 1)[0].lstrip("+") for word in study.overrides]
-    for path, reference in sorted(_references(study), key=lambda found: not below(found[0], own)):
+    own = [word.split("=", 1)[0].lstrip("+") for word in overrides]
+    for path, reference in sorted(asked, key=lambda one: not below(one[0], own)):
         step, value = str(reference["from"]), str(reference["value"])
         if path.split(".")[0] == step:
             others = ", ".join(name for name in found if name != step) or "none"
@@ -237,7 +254,8 @@ def check_references(study: Any) -> None:
             raise UserError(f"{path}.value: {step} finds no {value!r}; {best_matches(value, found[step])}")
 
 
-def _references(study: Any) -> Iterator[tuple[str, Mapping[str, Any]]]:
+def references(study: Any) -> Iterator[tuple[str, Mapping[str, Any]]]:
+    """Yield key path and reference of every parameter that another step finds."""
     for section in study.parameter_sections():
         for path, value in study.parameters(section):
             if isinstance(value, Mapping):

@@ -107,11 +107,11 @@ def study_from(composed: Composed) -> Any:
         if one.prepare is not None:
             values = one.prepare(composed, values, written)
     whole = values
-    values, left_out = _without_unnamed(values)
+    values, left_out = without_unnamed(values)
     # What a person changes is judged even where nothing takes it.
     touched = {path for path in left_out if composed.touched(path)}
     if touched:
-        _validated(composed, _without_unnamed(whole, touched)[0])
+        _validated(composed, without_unnamed(whole, touched)[0])
     study = _validated(composed, values)
     taken = {path: source for path, source in written.items() if not _of_left_out(path, values, left_out)}
     sources = attribute(composed, values, taken, study.parameter_sections())
@@ -149,7 +149,7 @@ def _validated(composed: Composed, values: dict[str, Any]) -> Any:
         raise explain(error, values, "", composed.origin, model) from None
 
 
-def _without_unnamed(values: dict[str, Any], keep: Collection[str] = ()) -> tuple[dict[str, Any], set[str]]:
+def without_unnamed(values: dict[str, Any], keep: Collection[str] = ()) -> tuple[dict[str, Any], set[str]]:
     """Leave out the entries of mappings that nothing names; every file of conf/modes is known, none has to be used.
 
     Arguments

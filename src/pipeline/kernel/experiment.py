@@ -64,6 +64,7 @@ class Step:
     on_demand : whether it runs only where something asks for what it makes.
     needed_by_figures : whether a figure that reads it is left out where it is not made.
     shown : whether the page reads its artefacts.
+    swept : whether each run of a sweep has its nodes, those of its own kind; others only where these take from them.
     """
 
     name: str
@@ -84,6 +85,7 @@ class Step:
     on_demand: bool = False
     needed_by_figures: bool = False
     shown: bool = True
+    swept: bool = False
 
     def places(self, room: str, *without: str) -> dict[str, str]:
         """Return file -> place below a folder of the readable view, for every table of a fixed name."""

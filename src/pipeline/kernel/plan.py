@@ -9,6 +9,7 @@ from __future__ import annotations
 import sys
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, field
+from functools import cache
 from itertools import pairwise
 from pathlib import Path
 from typing import Any
@@ -57,7 +58,7 @@ class Run:
 
     def __post_init__(self) -> None:
         for node in self.nodes:
-            self.keys[node.name] = digest.of_value(_identity(node, self.keys), ordered=True)
+            self.keys[node.name] = key_of(node, self.keys, fixed(node))
 
     def described(self) -> dict[str, Any]:
         """Return the run as the plan holds it."""
@@ -104,23 +105,23 @@ def make(runs: Sequence[Run], asked: Collection[str] = ()) -> dict[str, Any]:
     chunks, targets = _jobs(runs, described, nodes, published=not alone)
     for path, file in files.items():
         maker = {key: name for name, chunk in chunks.items() for key in chunk.get("nodes", ())}
-        chunk = _chunk_name([[Path(path).name]], [path, described[file["run"]]["digest"]])
+        chunk = chunk_name([[Path(path).name]], [path, described[file["run"]]["digest"]])
         needed = [maker[file["key"]]]
         chunks[chunk] = {"step": "publish", "part": path, "runs": [file["run"]], "steps": [], "needs": needed}
         targets[path] = [chunk]
     return {
         "version": VERSION,
         "runs": described,
-        "steps": {name: _declared(name) for name in registry.steps()},
+        "steps": {name: declared(name) for name in registry.steps()},
         "nodes": nodes,
         "chunks": chunks,
         "targets": targets,
-        "tells": _named("tells"),
-        "announces": _named("announces"),
+        "tells": modules_named("tells"),
+        "announces": modules_named("announces"),
     }
 
 
-def _named(field_name: str) -> list[str]:
+def modules_named(field_name: str) -> list[str]:
     """Return the modules that experiments name in a field, by their dotted names."""
     named = {name: getattr(one, field_name) for name, one in registry.experiments().items()}
     return sorted(f"{registry.PACKAGE}.{name}.{module}" for name, module in named.items() if module)
@@ -137,7 +138,7 @@ def step_files(step: str) -> dict[str, Path]:
     return dict(sorted(found.items()))
 
 
-def _declared(name: str) -> dict[str, Any]:
+def declared(name: str) -> dict[str, Any]:
     """Return what the jobs and the rules of a step need of its declaration."""
     step = registry.steps()[name]
     return {
@@ -150,18 +151,40 @@ def _declared(name: str) -> dict[str, Any]:
     }
 
 
-def _identity(node: Draft, keys: Mapping[str, str]) -> dict[str, Any]:
+def fixed(node: Draft) -> dict[str, Any]:
+    """Return what of a node's key does not depend on the configuration: code, declared tables, files, versions."""
     modules = (registry.module(node.step), *_COMMON, *node.modules)
     return {
-        "step": node.step,
-        "settings": node.settings,
-        "code": [of_code(module) for module in modules],
+        "code": [_code(module) for module in modules],
         "tables": digest.of_value({name: one.plain() for name, one in registry.steps()[node.step].tables.items()}),
         "files": {name: digest.of_file(path) for name, path in step_files(node.step).items()},
-        "inputs": {name: keys[maker] for name, maker in node.inputs.items()},
         "lock": digest.of_lock(),
         "python": PYTHON,
     }
+
+
+_code = cache(of_code)
+
+
+def key_of(node: Draft, keys: Mapping[str, str], fixed: Mapping[str, Any]) -> str:
+    """Return the key of a node.
+
+    Arguments
+    ---------
+    keys : name of each node that it takes from -> its key.
+    fixed : what `fixed` says of it.
+    """
+    identity = {
+        "step": node.step,
+        "settings": node.settings,
+        "code": fixed["code"],
+        "tables": fixed["tables"],
+        "files": fixed["files"],
+        "inputs": {name: keys[maker] for name, maker in node.inputs.items()},
+        "lock": fixed["lock"],
+        "python": fixed["python"],
+    }
+    return digest.of_value(identity, ordered=True)
 
 
 def _nodes(run: Run) -> dict[str, dict[str, Any]]:
@@ -217,9 +240,9 @@ def _jobs(
         alone, in_sweep = step.chunk
         for keys, sweep in groups:
             own = [key for key in keys if nodes[key]["step"] == step.name]
-            for batch in _evenly(own, in_sweep if sweep else alone):
+            for batch in evenly(own, in_sweep if sweep else alone):
                 needs = {maker[key] for node in batch for key in nodes[node]["inputs"].values()}
-                name = _chunk_name([labels[key] for key in batch], batch)
+                name = chunk_name([labels[key] for key in batch], batch)
                 chunks[name] = {"step": step.name, "nodes": batch, "needs": sorted(needs)}
                 maker.update(dict.fromkeys(batch, name))
     if not published:
@@ -253,7 +276,7 @@ def _together(runs: Sequence[Run]) -> list[tuple[list[str], bool]]:
     return found
 
 
-def _evenly(keys: list[str], most: int) -> list[list[str]]:
+def evenly(keys: list[str], most: int) -> list[list[str]]:
     """Split keys into as few parts as `most` allows, of nearly the same length."""
     count = -(-len(keys) // most)
     bounds = [round(place * len(keys) / count) for place in range(count + 1)] if count else [0]
@@ -280,13 +303,13 @@ class _Publishing:
             if not keys:
                 continue
             labels = [[f"{run.study}.{run.name}.{part}"] for run in batch]
-            name = _chunk_name(labels, [part, *(self.described[number]["digest"] for number in numbers)])
+            name = chunk_name(labels, [part, *(self.described[number]["digest"] for number in numbers)])
             needed = sorted({self.maker[key] for key in keys})
             found[name] = {"step": "publish", "part": part, "steps": list(steps), "runs": numbers, "needs": needed}
         return found
 
 
-def _chunk_name(labels: Sequence[Sequence[str]], identity: Sequence[str]) -> str:
+def chunk_name(labels: Sequence[Sequence[str]], identity: Sequence[str]) -> str:
     """Return a readable name: what the first node is, how many more there are, and six digits of their keys."""
     first = labels[0]
     label = first[0] if len(set(first)) == 1 else first[0].rsplit(".", 1)[-1]

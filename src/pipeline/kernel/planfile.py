@@ -95,6 +95,15 @@ def load(path: Path) -> dict[str, Any]:
     return plan
 
 
+def settings(plan: Mapping[str, Any], key: str) -> dict[str, Any]:
+    """Return the settings of a node; what many nodes of a sweep have in common stands in the plan once."""
+    node = plan["nodes"][key]
+    if "parts" not in node:
+        found: dict[str, Any] = node["settings"]
+        return found
+    return {name: plan["parts"][part] for name, part in node["parts"].items()}
+
+
 def target(plan: Mapping[str, Any], name: str) -> list[str]:
     """Return the chunks that a target stands for.
 

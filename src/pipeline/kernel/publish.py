@@ -162,9 +162,10 @@ def _read(results: Path, manifest: Path) -> dict[str, Any]:
     """Return a manifest; one that is damaged, or lists what is not of these folders, belongs to no run."""
     try:
         shown: dict[str, Any] = json.loads(manifest.read_text(encoding="utf-8"))
-        mine = manifest.parent.parts[-2:]
-        paths = [entry["path"] for entry in shown["artefacts"]]
-        if shown["digest"] and all(store.inside(results, one) and Path(one).parts[1:3] == mine for one in paths):
+        mine = manifest.parent.relative_to(results).parts
+        paths = [Path(entry["path"]) for entry in shown["artefacts"]]
+        own = (path.parts[1 : 1 + len(mine)] == mine and store.inside(results, path.as_posix()) for path in paths)
+        if shown["digest"] and all(own):
             return shown
     except (OSError, ValueError, KeyError, TypeError, RecursionError):
         pass
@@ -197,7 +198,7 @@ def _manifest(run: Mapping[str, Any], shown: list[dict[str, Any]]) -> dict[str, 
         "study": run["study"],
         "run": run["name"],
         "digest": run["digest"],
-        "command": command(run["study"], run["overrides"]),
+        "command": run.get("command") or command(run["study"], run["overrides"]),
         "overrides": run["overrides"],
         "seed": run["seed"],
         "configuration": run["configuration"],

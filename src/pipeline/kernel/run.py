@@ -10,13 +10,22 @@ import time
 from collections.abc import Mapping, Sequence
 from functools import partial
 from pathlib import Path
-from typing import Any
+from types import ModuleType
+from typing import Any, NamedTuple
 
 from pipeline.kernel import lock, planfile, publish, receipts, store
 from pipeline.kernel.artefacts import Inputs, Output
 from pipeline.kernel.errors import EngineError, UserError
 from pipeline.kernel.last_resort import last_resort
 from pipeline.kernel.tables import TableFile
+
+
+class Task(NamedTuple):
+    """What a step is to do for a node: the arguments of its `run`."""
+
+    settings: Any
+    inputs: Inputs
+    output: Output
 
 
 def main(arguments: Sequence[str]) -> int:
@@ -60,25 +69,50 @@ def run_chunk(plan: Mapping[str, Any], name: str, results: Path, again: bool) ->
     step = chunk["step"]
     store.own(results, store.artefact(results, step, name))
     store.own(results, receipts.path_of(results, step, name))
+    module = importlib.import_module(plan["steps"][step]["module"])
+    size = getattr(module, "BATCH", 1) if hasattr(module, "run_many") else 1
     made: dict[str, dict[str, str]] = {}
-    for position, key in enumerate(chunk["nodes"], start=1):
+    for start in range(0, len(chunk["nodes"]), size):
+        batch = chunk["nodes"][start : start + size]
         begin = time.monotonic()
-        made[key] = store.make(results, step, key, partial(_compute, plan, key, results), again)
+        made |= store.make_many(results, step, batch, partial(_compute, plan, module, results), again)
         took = time.monotonic() - begin
-        print(f"{step} {name} {position}/{len(chunk['nodes'])}: {key[:12]} in {took:.2f} s", flush=True)
+        done, total = start + len(batch), len(chunk["nodes"])
+        print(f"{step} {name} {done}/{total}: {', '.join(key[:12] for key in batch)} in {took:.2f} s", flush=True)
     receipts.write(results, step, name, made, {})
 
 
-def _compute(plan: Mapping[str, Any], key: str, results: Path, output: Path) -> None:
+def _compute(plan: Mapping[str, Any], module: ModuleType, results: Path, outputs: Mapping[str, Path]) -> None:
+    """Run the step for some of its nodes, each into a folder of its own."""
+    whole: dict[str, Path] = {}
+    declared: dict[str, dict[str, TableFile]] = {}
+    tasks = [_task(plan, key, results, folder, whole, declared) for key, folder in outputs.items()]
+    if hasattr(module, "run_many"):
+        module.run_many(tasks)
+    else:
+        for task in tasks:
+            module.run(*task)
+
+
+def _task(
+    plan: Mapping[str, Any],
+    key: str,
+    results: Path,
+    output: Path,
+    whole: dict[str, Path],
+    declared: dict[str, dict[str, TableFile]],
+) -> Task:
+    """Return what a step is to do for a node; `whole` and `declared` keep what others of its job have looked up."""
     node = plan["nodes"][key]
     makers = {name: plan["nodes"][maker]["step"] for name, maker in node["inputs"].items()}
-    folders = {
-        name: store.whole(results, makers[name], maker, f"input {name}") for name, maker in node["inputs"].items()
-    }
-    tables = {step: _tables(plan, step) for step in {node["step"], *makers.values()}}
-    inputs = Inputs(folders, {name: tables[step] for name, step in makers.items()})
-    module = importlib.import_module(plan["steps"][node["step"]]["module"])
-    module.run(resolve(node["settings"], folders), inputs, Output(output, tables[node["step"]]))
+    for name, maker in node["inputs"].items():
+        if maker not in whole:
+            whole[maker] = store.whole(results, makers[name], maker, f"input {name}")
+    for step in {node["step"], *makers.values()} - declared.keys():
+        declared[step] = _tables(plan, step)
+    folders = {name: whole[maker] for name, maker in node["inputs"].items()}
+    inputs = Inputs(folders, {name: declared[step] for name, step in makers.items()})
+    return Task(resolve(planfile.settings(plan, key), folders), inputs, Output(output, declared[node["step"]]))
 
 
 def _tables(plan: Mapping[str, Any], step: str) -> dict[str, TableFile]:

@@ -2,15 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
 
 from pipeline.cell.records import Battery
 from pipeline.charge.records import ChargeSettings, EngineSettings, Mode
-from pipeline.charge.simulate import Supply, simulate
+from pipeline.charge.simulate import Supply, Task, simulate_many
 from pipeline.kernel.artefacts import Inputs, Output
+
+BATCH = 48
+"""Charges that are made and written at once: one wait for the disk, and what an interruption costs."""
 
 
 def supply(inputs: Inputs) -> Supply:
@@ -33,15 +36,28 @@ def supply(inputs: Inputs) -> Supply:
 
 def run(settings: Mapping[str, Any], inputs: Inputs, output: Output) -> None:
     """Charge the battery and write what came of it."""
-    charge = simulate(
+    run_many([(settings, inputs, output)])
+
+
+def run_many(tasks: Sequence[tuple[Mapping[str, Any], Inputs, Output]]) -> None:
+    """Charge for many nodes at once; what is written is bit for bit that of `run`."""
+    given = {inputs.get("supply"): inputs for _, inputs, _ in tasks}
+    supplies = {folder: supply(inputs) for folder, inputs in given.items()}
+    wanted = [_task(settings, supplies[inputs.get("supply")]) for settings, inputs, _ in tasks]
+    # A job has one core.
+    for (_, _, output), charge in zip(tasks, simulate_many(wanted, threads=1), strict=True):
+        output.write("trace", charge.trace)
+        output.write("waveform", charge.waveform)
+        output.rows("summary", charge.summary)
+        output.write("phases", charge.phases)
+        output.write("energy", charge.energy)
+
+
+def _task(settings: Mapping[str, Any], source: Supply) -> Task:
+    return Task(
         Battery.model_validate(settings["battery"]),
         Mode.model_validate(settings["mode"]),
-        supply(inputs),
+        source,
         ChargeSettings.model_validate(settings["charge"]),
         EngineSettings.model_validate(settings["engine"]),
     )
-    output.write("trace", charge.trace)
-    output.write("waveform", charge.waveform)
-    output.rows("summary", charge.summary)
-    output.write("phases", charge.phases)
-    output.write("energy", charge.energy)

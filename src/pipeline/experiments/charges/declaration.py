@@ -87,6 +87,7 @@ CHARGED = Step(
     quantities=SUMMARY,
     target="charges",
     chunk=(4, 12),  # loading the kernels takes as long as a charge or two
+    swept=True,
 )
 SAMPLED = Step(
     "ensemble",

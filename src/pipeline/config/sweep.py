@@ -1,0 +1,315 @@
+"""From a sweep to its plan: each run composed, validated and keyed as far as it differs from those before it."""
+
+from __future__ import annotations
+
+import re
+import shlex
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import Any
+
+from pipeline.config import naming
+from pipeline.config.choices import parse, told
+from pipeline.config.compose import Composed, expand
+from pipeline.config.effort import check_effort
+from pipeline.config.many import Compositions, Memory
+from pipeline.config.sections import Recalled, Studies
+from pipeline.config.study import study_from
+from pipeline.config.units import unit_of
+from pipeline.errors import UserError, best_matches
+from pipeline.kernel import digest, plan, registry, sweeps
+from pipeline.kernel.draft import drafted, paths, plain
+from pipeline.kernel.experiment import Draft, Node
+
+Watch = Callable[[Iterable[Any]], Iterable[Any]]
+_MOST_WARNINGS = 8
+
+
+@dataclass(frozen=True)
+class Asked:
+    """What is asked of a sweep.
+
+    Arguments
+    ---------
+    name : of its folder; without, one is derived from the swept keys.
+    keep : kinds of nodes that it makes beside those of its own (`second_charge`), and `traces`.
+    """
+
+    name: str | None = None
+    keep: tuple[str, ...] = ()
+
+
+_KEPT = ("traces", "second_charge")
+_NAME = re.compile(r"[A-Za-z0-9][A-Za-z0-9_.+=-]{0,99}")
+
+
+def asked(words: Sequence[str]) -> tuple[list[str], Asked]:
+    """Divide the words of a command into Hydra's overrides and what is asked of the sweep itself.
+
+    Raises
+    ------
+    UserError : another key than `sweep.name` and `sweep.keep`, or a value that is not allowed there.
+    """
+    own, given = [], dict[str, Any]()
+    for word in words:
+        key = word.split("=", 1)[0]
+        if key.split(".")[0].lstrip("+") != "sweep":
+            own.append(word)
+        elif key not in ("sweep.name", "sweep.keep"):
+            raise UserError(f"override {told(word)}: a sweep has sweep.name=NAME and sweep.keep=[...] alone")
+        else:
+            given[key] = word, parse([word])[0].value()
+    word, name = given.get("sweep.name", ("", None))
+    if name is not None and not _NAME.fullmatch(str(name)):
+        raise UserError(f"override {told(word)}: no good name of a folder; allowed are letters, digits and ._+=-")
+    word, keep = given.get("sweep.keep", ("", []))
+    keep = keep if isinstance(keep, list) else [keep]
+    for one in keep:
+        if one not in _KEPT:
+            raise UserError(f"override {told(word)}: {one!r} is nothing to keep; {best_matches(str(one), _KEPT)}")
+    return own, Asked(None if name is None else str(name), tuple(keep))
+
+
+def make_sweep(words: Sequence[str], asked: Asked, cores: int, watch: Watch = lambda runs: runs) -> dict[str, Any]:
+    """Plan a sweep: of every run its charges at nominal parameters and what these need; of all, a table.
+
+    Arguments
+    ---------
+    words : Hydra's overrides, some with several values.
+    cores : jobs at a time.
+    watch : goes through the runs, and shows how far it is.
+
+    Raises
+    ------
+    UserError : a run that does not compose or validate.
+    """
+    parsed, runs = parse(words), expand(words)
+    keys = {place: word.get_key_element().lstrip("+~") for place, word in enumerate(parsed) if word.is_sweep_override()}
+    planner = _Planner(asked.keep)
+    studies: dict[str, _Gathered] = {}
+    for run in watch(runs):
+        made = planner.run(run)
+        values = {key: parse([run[place]])[0].value() for place, key in keys.items() if key != "study"}
+        studies.setdefault(made.study, _Gathered([])).runs.append((run, values, made))
+    command = f"python -m pipeline -m {shlex.join(words)}"
+    found = [_sweep(study, gathered, asked, command, planner) for study, gathered in studies.items()]
+    return sweeps.make(found, cores)
+
+
+@dataclass(frozen=True)
+class _Made:
+    """A run: its study's name, its configuration, the names of its swept nodes -> their keys, what is to be told."""
+
+    study: str
+    composed: Composed
+    nodes: Mapping[str, str]
+    warnings: tuple[str, ...]
+
+
+@dataclass(frozen=True)
+class _Gathered:
+    """The runs of a study: overrides, values of swept keys, what was planned of each."""
+
+    runs: list[tuple[list[str], dict[str, Any], _Made]]
+
+
+@dataclass
+class _Planner:
+    """Plans run after run; nodes and their keys are worked out where something that they read is another one."""
+
+    keep: tuple[str, ...]
+    memory: Memory = field(default_factory=Memory)
+    nodes: dict[str, Draft] = field(default_factory=dict)
+    inputs: dict[str, dict[str, str]] = field(default_factory=dict)
+
+    def __post_init__(self) -> None:
+        self._compositions = Compositions(self.memory)
+        self._studies = Studies(self.memory)
+        experiments = registry.experiments()
+        owners = {registry.owners()[step] for step in _needed_steps()}
+        self._makers = [Recalled(_listed(experiments[name].nodes)) for name in sorted(owners)]
+        self._warns = [Recalled(_listed(one.warns)) for one in experiments.values()]
+        self._drafts: dict[Any, tuple[Any, Draft]] = {}
+        self._keys: dict[Any, str] = {}
+        self._fixed: dict[Any, dict[str, Any]] = {}
+
+    def run(self, words: Sequence[str]) -> _Made:
+        """Plan one run."""
+        composed = self._compositions.compose(words)
+        study = self._studies.of(composed)
+        by_name = {node.name: node for make in self._makers for node in make(study)}
+        kept = [node for node in by_name.values() if node.step.swept and self._is_kept(node, composed)]
+        if not kept:
+            raise UserError(f"study {study.study.name}: nothing of it is made in a sweep; run it alone, without -m")
+        drafts: dict[str, Draft] = {}
+        keys: dict[str, str] = {}
+        for node in kept:
+            self._key(node.name, by_name, study, drafts, keys)
+        check_effort(composed, study, list(drafts.values()))
+        if not any(node.name.startswith("second_") for node in kept):
+            # Nothing is to be told of a battery that is not charged.
+            study = study.model_copy(update={"second_battery": None})
+        warnings = tuple(line for warn in self._warns for line in warn(study))
+        return _Made(study.study.name, composed, {node.name: keys[node.name] for node in kept}, warnings)
+
+    def _is_kept(self, node: Node, composed: Composed) -> bool:
+        """Tell whether a node is of its step's own kind, of one that is asked for, or of one that is overridden."""
+        kind = node.name.split("/")[0]
+        if kind in (node.step.name, *self.keep):
+            return True
+        usual = {word for read in node.step.reads for word in paths(read, {**node.which, "cell": "battery"})}
+        own = {word for read in node.step.reads for word in paths(read, node.which)} - usual
+        return any(composed.touched(path) or composed.overridden(path) for path in own)
+
+    def _key(
+        self, name: str, by_name: Mapping[str, Node], study: Any, drafts: dict[str, Draft], keys: dict[str, str]
+    ) -> str:
+        """Return the key of a node; it and all that it takes from are noted."""
+        if name in keys:
+            return keys[name]
+        draft = self._draft(by_name[name], study)
+        for maker in draft.inputs.values():
+            self._key(maker, by_name, study, drafts, keys)
+        drafts[name] = draft
+        identity = (id(draft), tuple(keys[maker] for maker in draft.inputs.values()))
+        if identity not in self._keys:
+            of = (draft.step, draft.modules)
+            if of not in self._fixed:
+                self._fixed[of] = plan.fixed(draft)
+            key = plan.key_of(draft, keys, self._fixed[of])
+            self._keys[identity] = key
+            self.nodes.setdefault(key, draft)
+            self.inputs.setdefault(key, {one: keys[maker] for one, maker in draft.inputs.items()})
+        keys[name] = self._keys[identity]
+        return keys[name]
+
+    def _draft(self, node: Node, study: Any) -> Draft:
+        """Return a node with its settings; the same one while all that it declares to read is the same."""
+        reads = [_at(study, path) for read in node.step.reads for path in paths(read, node.which)]
+        which = (node.step.name, node.name, repr(node.which), repr(node.inputs), node.modules)
+        identity = (which, tuple(id(value) for value in reads))
+        if identity not in self._drafts:
+            self._drafts[identity] = reads, drafted(node, study)
+        return self._drafts[identity][1]
+
+
+def _listed(function: Callable[[Any], Iterable[Any]]) -> Callable[[Any], tuple[Any, ...]]:
+    return lambda study: tuple(function(study))
+
+
+def _needed_steps() -> set[str]:
+    """Return the swept steps and all that they may take from."""
+    waiting = [name for name, step in registry.steps().items() if step.swept]
+    seen: set[str] = set()
+    while waiting:
+        name = waiting.pop()
+        if name not in seen:
+            seen.add(name)
+            waiting.extend(registry.takes(name))
+    return seen
+
+
+def _at(study: Any, path: str) -> Any:
+    here = study
+    for key in path.split("."):
+        here = here.get(key) if isinstance(here, Mapping) else getattr(here, key, None)
+    return here
+
+
+def _sweep(study: str, gathered: _Gathered, asked: Asked, command: str, planner: _Planner) -> sweeps.Sweep:
+    """Return the runs of a study with what is made of all of them."""
+    words, values, first = gathered.runs[0]
+    root = study_from(first.composed)
+    keys = list(values)
+    short = naming.short(keys, first.composed.tree)
+    runs = []
+    for words, values, made in gathered.runs:
+        texts = [f"{short[key]}={_text(value)}" for key, value in values.items()]
+        name = naming.joined(texts, words) if texts else "default"
+        own = tuple(word for word in words if not word.startswith("study="))
+        runs.append(sweeps.SweepRun(name, own, tuple(values.values()), made.nodes))
+    _check_names(study, runs)
+    name = asked.name or _derived(short.values(), [run.overrides for run in runs])
+    columns = [
+        {"key": key, "unit": _unit(root, key, [run.values[n] for run in runs]), "description": f"swept: {key}"}
+        for n, key in enumerate(keys)
+    ]
+    warnings = list(dict.fromkeys(line for _, _, made in gathered.runs for line in made.warnings))
+    if len(warnings) > _MOST_WARNINGS:
+        warnings[_MOST_WARNINGS:] = [f"and {len(warnings) - _MOST_WARNINGS} more such notes on other runs"]
+    used = {key for run in runs for key in run.keys.values()}
+    nodes = _behind(used, planner)
+    return sweeps.Sweep(
+        study=study,
+        name=name,
+        command=command,
+        seed=root.seed,
+        configuration=root.configuration,
+        sources=plain(root.sources),
+        runs=tuple(runs),
+        nodes={key: planner.nodes[key] for key in planner.nodes if key in nodes},
+        inputs={key: planner.inputs[key] for key in nodes},
+        closing=_closing(study, name, root, columns, runs),
+        shown=_shown(planner, runs) if "traces" in asked.keep else {},
+        warnings=tuple(warnings),
+    )
+
+
+def _behind(keys: Iterable[str], planner: _Planner) -> set[str]:
+    waiting, seen = list(keys), set[str]()
+    while waiting:
+        key = waiting.pop()
+        if key not in seen:
+            seen.add(key)
+            waiting.extend(planner.inputs[key].values())
+    return seen
+
+
+def _shown(planner: _Planner, runs: Sequence[sweeps.SweepRun]) -> dict[str, dict[str, str]]:
+    """Return name of a run's node -> file -> its place in the run's folder."""
+    return {name: dict(planner.nodes[key].shown) for run in runs for name, key in run.keys.items()}
+
+
+def _closing(
+    study: str, name: str, root: Any, columns: Sequence[Mapping[str, str]], runs: Sequence[sweeps.SweepRun]
+) -> tuple[Draft, ...]:
+    """Return what is made of all runs: the table."""
+    step = registry.steps()["sweep"]
+    listed = [
+        {"name": run.name, "values": list(run.values), "nodes": {node: f"{run.name}/{node}" for node in run.keys}}
+        for run in runs
+    ]
+    settings = {"study": study, "sweep": name, "title": root.study.title, "keys": list(columns), "runs": listed}
+    inputs = {f"{run.name}/{node}": f"{run.name}/{node}" for run in runs for node in run.keys}
+    shown = {file: file for file in ("runs.parquet", "runs.csv")}
+    return (Draft(step.name, "sweep", f"{study}.{name}", settings, inputs, (), shown, "results", ()),)
+
+
+def _check_names(study: str, runs: Sequence[sweeps.SweepRun]) -> None:
+    seen: dict[str, sweeps.SweepRun] = {}
+    for run in runs:
+        if run.name in seen:
+            words = " ".join(map(told, run.overrides))
+            raise UserError(f"two runs of {study} are named {run.name}; give each its own values: {words}")
+        seen[run.name] = run
+
+
+def _derived(short: Iterable[str], overrides: Sequence[Sequence[str]]) -> str:
+    """Return the name of a sweep that has none: its swept keys, and six digits of all its runs."""
+    name = naming.joined(list(short) or ["study"], ["sweep"])
+    return f"{name[:60]}-{digest.of_value([list(one) for one in overrides])[:6]}"
+
+
+def _text(value: Any) -> str:
+    if isinstance(value, list):
+        return f"[{','.join(map(_text, value))}]"
+    if value is None or isinstance(value, bool):
+        return {None: "null", True: "true", False: "false"}[value]
+    return str(value)
+
+
+def _unit(root: Any, key: str, values: Sequence[Any]) -> str:
+    """Return the unit of a swept key; none of what is text."""
+    if not all(isinstance(value, int | float) and not isinstance(value, bool) for value in values):
+        return ""
+    return unit_of(root, key)

@@ -1,0 +1,21 @@
+"""What the runs of a sweep are told in: one table and one page for all of them.
+
+Their nodes are no part of a run's own; whoever plans a sweep asks for them.
+"""
+
+from __future__ import annotations
+
+from pipeline.kernel.experiment import Experiment, Step
+
+SWEEP = Step(
+    "sweep",
+    rule="gather_sweep",
+    message="Sweep: a table of all runs: {chunk}",
+    takes=("charge",),
+    shown=False,
+)
+EXPERIMENT = Experiment(
+    title="sweeps: the outcomes of many runs",
+    steps=(SWEEP,),
+    tells="telling",
+)

@@ -1,0 +1,79 @@
+"""What the terminal says at the end of a sweep: its runs, with the numbers that are looked at first."""
+
+from __future__ import annotations
+
+import io
+import sys
+from collections.abc import Collection, Iterator, Mapping
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from pipeline.experiments.sweeps.reading import TABLE, outcomes
+from pipeline.kernel import store
+
+MOST_ROWS = 12
+
+
+def lines(run: Mapping[str, Any], steps: Collection[str], results: Path) -> Iterator[str]:
+    """Yield the lines of a table of a sweep's runs; none for what is no sweep, or was not asked for.
+
+    Arguments
+    ---------
+    run : as the plan holds it.
+    steps : those that were asked for.
+    """
+    item = next((one for one in run["view"] if one["step"] == "sweep" and one["file"] == TABLE), None)
+    if item is None or "sweep" not in steps:
+        return
+    import pyarrow.parquet as pq
+    from rich.console import Console
+    from rich.markup import escape
+    from rich.table import Table
+
+    found = pq.read_table(store.artefact(results, item["step"], item["key"]) / TABLE)
+    columns = {name: found.column(name).to_pylist() for name in found.column_names}
+    swept = found.column_names[1 : 1 + len(next(iter(run["sweep"].values()))["values"])]
+    headlines = outcomes(columns)
+    # A comparison is enough here; the others are in the table.
+    first = headlines[0].charge.rpartition(".")[0]
+    headlines = [one for one in headlines if one.charge.rpartition(".")[0] == first]
+    table = Table(title=escape(_title(run, found.num_rows, first)), title_justify="left")
+    for name in swept:
+        unit = (found.schema.field(name).metadata or {}).get(b"unit", b"").decode()
+        table.add_column(escape(name + _unit(unit)), justify="left" if unit == "" else "right")
+    for one in headlines:
+        mode = one.charge.removeprefix(f"{first}.")
+        table.add_column(escape(f"{mode} {one.title}{_unit(one.unit)}"), justify="right")
+    shown = range(found.num_rows) if found.num_rows <= MOST_ROWS else range(MOST_ROWS - 2)
+    for row in shown:
+        values = [escape(_text(columns[name][row])) for name in swept]
+        table.add_row(*values, *(_text(columns[one.column][row], one.factor) for one in headlines))
+    if found.num_rows > len(shown):
+        table.caption = f"and {found.num_rows - len(shown)} more in the table"
+    watched = sys.stdout.isatty()
+    console = Console(width=None if watched else 160, record=True, file=io.StringIO())
+    console.print(table)
+    yield from console.export_text(styles=watched).rstrip().splitlines()
+    missed = [name for name in found.column_names if name.endswith(".missed")]
+    for name in missed:
+        some = [row for row, text in enumerate(columns[name]) if text]
+        if some:
+            first = columns[name][some[0]]
+            yield f"{name.removesuffix('.missed')}: {len(some)} of {found.num_rows} runs missed something, as {first}"
+
+
+def _title(run: Mapping[str, Any], count: int, comparison: str) -> str:
+    of = f", comparison {comparison}" if comparison else ""
+    return f"{run['study']}/{run['name']}: {count} runs{of}"
+
+
+def _unit(unit: str) -> str:
+    return f" [{unit}]" if unit not in ("", "1") else ""
+
+
+def _text(value: Any, factor: float = 1.0) -> str:
+    if value is None or (isinstance(value, float) and np.isnan(value)):
+        return "-"
+    return f"{factor * value:.5g}" if isinstance(value, float) else str(value)
