@@ -10,7 +10,7 @@ from typing import Any
 from pydantic import Field
 
 from pipeline.config.compose import options
-from pipeline.config.planning import run_name
+from pipeline.config.naming import run_name
 from pipeline.config.units import unit_of
 from pipeline.errors import UserError, best_matches
 from pipeline.experiments.reporting.verdicts import SECOND, answered_by_charges, of_second
