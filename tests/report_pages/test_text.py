@@ -6,7 +6,7 @@ import pytest
 
 from pipeline.report.pages import view
 from pipeline.report.tables import ReportTable
-from pipeline.report.text import column, label, number, prose
+from pipeline.report.text import column, label, number, prose, spelt
 
 
 @pytest.mark.parametrize(
@@ -61,6 +61,21 @@ def test_what_rounding_left_over_is_about_nothing() -> None:
 )
 def test_names_of_quantities_become_words_with_their_units(name: str | None, with_unit: bool, text: str) -> None:
     assert label(name, with_unit) == text
+
+
+@pytest.mark.parametrize(
+    ("text", "told"),
+    [
+        ("energy of cv_pulse in mode same_peak.", "energy of CV pulse in mode same peak."),
+        ("Printed 4 x (stop_s / 3600), c_rate 4", "Printed 4 × (stop / 3600), c rate 4"),
+        ("Printed p_max_w: 65 W", "Printed p max: 65 W"),
+        ("charge/same_peak/cc_cv", "charge/same_peak/cc_cv"),
+        ("battery.heat_capacity_j_per_k", "battery.heat_capacity_j_per_k"),
+        ("load=master_system", "load=master_system"),
+    ],
+)
+def test_names_within_a_sentence_become_words_and_paths_stay(text: str, told: str) -> None:
+    assert spelt(text) == told
 
 
 def test_a_unit_stands_once_in_a_row() -> None:

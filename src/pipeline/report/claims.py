@@ -10,7 +10,7 @@ from typing import Any
 
 from pipeline.published.words import BASES, ENOUGH, WORDS
 from pipeline.report.tables import Cell, ReportTable, plain
-from pipeline.report.text import words
+from pipeline.report.text import spelt, words
 
 CLOSE = 0.01
 """Share of a computed value below which its margin is a close call."""
@@ -101,6 +101,7 @@ def claims(
     names : words in identifiers, `cc_cv` say -> how people write them.
     """
     rows = [dict(zip(columns, map(plain, row), strict=True)) for row in zip(*columns.values(), strict=True)]
+    rows = [row | {"explanation": spelt(called(str(row["explanation"]), _identifiers(names or {})))} for row in rows]
     by_says: dict[str, list[dict[str, Cell]]] = {}
     for row in rows:
         by_says.setdefault(str(row["says"]), []).append(row)
@@ -115,6 +116,11 @@ def claims(
         title = _written(_title(identifiers), names or {})
         found.append(Claim(title[:1].upper() + title[1:], says, str(group[0]["where"]), own))
     return found
+
+
+def _identifiers(names: Mapping[str, str]) -> dict[str, str]:
+    """Return the names that cannot be taken for a word of a sentence."""
+    return {word: title for word, title in names.items() if "_" in word}
 
 
 def readings(found: Iterable[Claim]) -> list[str]:
@@ -227,12 +233,18 @@ def _title(names: Sequence[str]) -> str:
     return "_".join(names[0].split("_")[:same]) or names[0]
 
 
+def called(text: str, names: Mapping[str, str]) -> str:
+    """Return a text with the identifiers in it as people write them, the longest first."""
+    for word in sorted(names, key=len, reverse=True):
+        text = re.sub(rf"(?<![a-z0-9]){re.escape(word)}(?![a-z0-9])", lambda _, to=names[word]: to, text)  # type: ignore[misc]
+    return text
+
+
 def _written(name: str, names: Mapping[str, str]) -> str:
     """Return an identifier as people write it."""
-    for word, title in names.items():
-        name = re.sub(rf"(?<![a-z0-9]){word}(?![a-z0-9])", title, name)
+    name = called(name, names)
     name = re.sub(r"(?<=\d)_(?=\d)", ".", name)
-    return re.sub(r"\bhz\b", "Hz", words(name))
+    return re.sub(r"\bhz\b", "Hz", re.sub(r"\b(\d+)c\b", r"\1C", words(name)))
 
 
 def count_bar(counts: Sequence[tuple[str, int]]) -> list[tuple[str, int, float]]:

@@ -155,6 +155,7 @@ def render(content: PageContent) -> str:
     html: str = page.render(
         content=content,
         claims=found,
+        statements=[one.name for claim in found for one in claim.verdicts],
         matrix=matrix(found),
         counts=counts | {"all": Counter(str(word) for word in content.verdicts["verdict"])},
         bar=count_bar(counts["statements"]),
@@ -212,7 +213,7 @@ def view(table: ReportTable) -> TableView:
         text.column(cells) if numeric else [text.label(cell, with_unit) for cell in cells]
         for cells, numeric in zip(zip(*table.rows, strict=True), table.numeric(), strict=False)
     ]
-    texts = [[text.symbols(cell) for cell in cells] for cells in texts]
+    texts = [[text.symbols(text.spelt(cell)) for cell in cells] for cells in texts]
     rows = list(zip(*texts, strict=True))
     header, numeric = [text.symbols(text.label(name)) for name in table.header], table.numeric()
     if table.header and "unit" in table.header:

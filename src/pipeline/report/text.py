@@ -17,6 +17,8 @@ NOTHING = "–"
 _EXPONENT = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 _FIGURE_SPACE, _POINT_SPACE = " ", " "
 _NAME = re.compile(r"[A-Za-z][A-Za-z0-9]*(?:_[A-Za-z0-9.]+)+")
+_WITHIN = re.compile(r"(?<![\w./=-])[A-Za-z][A-Za-z0-9]*(?:_[A-Za-z0-9]+)+(?![\w/=-])(?!\.\w)")
+"""A name within a sentence; not a part of a path, of a key path, or of an override."""
 # Endings of names that repeat the unit -> the unit, longest first.
 _ENDINGS = {
     "_k_per_min": "K/min", "_mw2_s": "mW² s", "_per_min": "1/min", "_w_m2": "W/m²", "_k_s": "K/s", "_v_k": "V/K",
@@ -90,6 +92,7 @@ def prose(text: str) -> str:
 def symbols(text: str) -> str:
     """Return a text with the signs of its units."""
     text = re.sub(r"\bdegC\b", "°C", re.sub(r"\bohm\b", "Ω", text))
+    text = re.sub(r"(?<=\w)\^([23])\b", lambda found: {"2": "²", "3": "³"}[found[1]], text)
     return re.sub(r"\b(m|mW|C-rate)([23])\b", lambda found: found[1] + {"2": "²", "3": "³"}[found[2]], text)
 
 
@@ -119,6 +122,17 @@ def label(cell: Any, with_unit: bool = True) -> str:
             told = words(cell.removesuffix(ending))
             return _capital(f"{told} [{symbol}]" if with_unit else told)
     return _capital(words(cell))
+
+
+def spelt(text: str) -> str:
+    """Return a sentence with the names of quantities in it as words, without the endings that repeat their units."""
+
+    def told(found: re.Match[str]) -> str:
+        name = found[0]
+        ending = next(filter(name.endswith, _ENDINGS), "")
+        return words(name.removesuffix(ending))
+
+    return re.sub(r"(?<=[\d)]) x (?=[\w(])", " × ", _WITHIN.sub(told, text))
 
 
 def _capital(text: str) -> str:

@@ -107,7 +107,7 @@ def charges(data: ReportData) -> ReportTable:
     return ReportTable(
         "charges",
         "Charge results",
-        "Empty: not reached.",
+        "A dash: not reached.",
         ("comparison", "quantity", "unit", *(label.title for label in data.modes.values())),
         tuple(rows),
         grouped=True,

@@ -26,12 +26,12 @@ def sections(data: ReportData, figures: Sequence[PageFigure]) -> list[PageSectio
     checks = {name: check for name, check in CHECKS.items() if f"validation/{name}" in data.inputs}
     if not checks:
         return []
-    found = [
-        PageSection("checks", "What was checked, and what came of it", _verdict(data, checks), [_all(data, checks)])
-    ]
+    found = [PageSection("checks", "Results of the checks", _verdict(data, checks), [_all(data, checks)])]
     for name, check in checks.items():
         shown = [_grid(data, name), _mistakes(data, name)] if name == "first_law" else [_rows_of(data, name)]
-        drawn = [figure for figure in figures if figure.options["check"] == name]
+        # A picture of a comparison that was not made is an empty frame.
+        made = not all(map(_absent, _rows(data, name)))
+        drawn = [figure for figure in figures if made and figure.options["check"] == name]
         found.append(PageSection(name, check.title, check.text, shown, drawn))
     return found
 
@@ -59,8 +59,7 @@ def _all(data: ReportData, checks: Mapping[str, Check]) -> ReportTable:
     return ReportTable(
         "checks",
         "Checks",
-        "Told is a number without a bound. Used: the largest share of a bound that any of its rows takes, 1 being all "
-        "of it.",
+        "Told: a number without a bound. Used: the largest share of its bound that any row takes; 1 is all of it.",
         ("check", *FINDINGS, "used", "by"),
         tuple(rows),
     )

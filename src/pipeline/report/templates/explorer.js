@@ -3,7 +3,9 @@
   if (!place) return;
   const WIDTH = 900, HEIGHT = 190, LEFT = 62, RIGHT = 12, TOP = 14, BOTTOM = 30;
   const SVG = "http://www.w3.org/2000/svg";
-  const DASHES = ["", "7 3", "2 2.5", "9 3 2 3"];
+  // Marks differ in colour and dash, so that one shows through another; groups differ in width.
+  const DASHES = ["", "9 5", "4 3", "1.5 4", "12 4 2 4", "16 5", "7 3 1.5 3", "3 6"];
+  const WIDTHS = [2.2, 1.1, 3.2];
   const node = (name, attributes = {}, ...children) => {
     const made = document.createElement(name);
     for (const [key, value] of Object.entries(attributes)) key in made ? (made[key] = value) : made.setAttribute(key, value);
@@ -16,6 +18,7 @@
     if (text) made.textContent = text;
     return made;
   };
+  const look = (trace) => `stroke: var(--t${trace.mark % 8}); stroke-width: ${WIDTHS[trace.order % 3]}; stroke-dasharray: ${DASHES[trace.mark % 8] || "none"}`;
   const shownNumber = (value) => (value === null || Number.isNaN(value) ? "–"
     : String(Number(value.toPrecision(4))).replace("-", "−"));
 
@@ -122,7 +125,7 @@
     svg.append(draw("rect", { class: "frame", x: LEFT, y: TOP, width: WIDTH - LEFT - RIGHT, height: HEIGHT - TOP - BOTTOM }));
     for (const [trace, found] of curves) {
       const path = found.map(([time, value], place) => `${place ? "L" : "M"}${across(time).toFixed(1)} ${up(value).toFixed(1)}`).join("");
-      svg.append(draw("path", { class: "curve", d: path, style: `stroke: var(--t${trace.mark % 8})`, "stroke-dasharray": DASHES[trace.dash % 4] }));
+      svg.append(draw("path", { class: "curve", d: path, style: look(trace) }));
     }
     const name = `${reference() ? "Difference in " : ""}${quantity}${reference() ? `, less ${reference().title}` : ""}`;
     svg.append(draw("text", { x: LEFT, y: 10, style: "font-weight: 600" }, name));
@@ -193,9 +196,8 @@
   };
 
   const swatch = (trace) => {
-    const made = node("span", { className: "swatch" });
-    made.style.borderColor = `var(--t${trace.mark % 8})`;
-    if (trace.dash) made.style.borderTopStyle = trace.dash % 2 ? "dashed" : "dotted";
+    const made = draw("svg", { class: "swatch", viewBox: "0 0 34 8", width: "34", height: "8", "aria-hidden": "true" });
+    made.append(draw("path", { class: "curve", d: "M0 4H34", style: look(trace) }));
     return made;
   };
   const render = () => {
@@ -232,7 +234,7 @@
   const build = () => {
     const quantities = [...new Set(traces.flatMap((trace) => Object.keys(trace.quantities)))];
     const groups = [...new Set(traces.map((trace) => trace.group))];
-    for (const trace of traces) trace.dash = groups.indexOf(trace.group);
+    for (const trace of traces) trace.order = groups.indexOf(trace.group);
     const { place: where, query } = window.pageAddress.read();
     const asked = (name, known) => (where === "explorer" ? (query.get(name) || "").split("|").filter((one) => known.includes(one)) : []);
     const names = traces.map((trace) => trace.name);

@@ -25,6 +25,8 @@
     if (!target) return;
     if (target.closest(".verdict, .claim")) one(".filter")?.dispatchEvent(new CustomEvent("clear", { detail: target }));
     unfold(target);
+    const table = one(":scope > .fold", target);
+    if (table && target.id.startsWith("table-")) table.open = true;
     target.scrollIntoView();
   };
 
