@@ -103,7 +103,7 @@ def test_verdicts_are_counted_and_told_by_word_and_symbol(content: PageContent, 
     ):
         assert f"{count} {symbol} {word}" in text
     assert "Robust share 62 % (53 % to 71 %)" in text
-    assert "Published 65 W ± 0.5" in text
+    assert "Published 65 W ± 0.5 W" in text
     assert "margin −0.25 W" in text
 
 
