@@ -11,6 +11,7 @@ import yaml
 from pipeline.report import style
 from pipeline.report.records import FigureCard
 from pipeline.report.tables import ReportData
+from tests.experiments.looking import faults_of_words
 
 CONF = Path(__file__).parents[2] / "conf"
 
@@ -28,6 +29,12 @@ def drawn(card: FigureCard, data: ReportData) -> Any:
         figure = card.drawing().draw(card, data)
         figure.draw_without_rendering()
     return figure
+
+
+def looked_at(card: FigureCard, data: ReportData) -> list[str]:
+    """Return what faults a card's figure has that made-up numbers show as well as real ones."""
+    with style.active():
+        return faults_of_words(card.drawing().draw(card, data))
 
 
 def saved(card: FigureCard, data: ReportData, folder: Path, name: str = "figure") -> list[Path]:

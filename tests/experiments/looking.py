@@ -18,6 +18,8 @@ from matplotlib.patches import FancyBboxPatch
 from matplotlib.text import Text
 from matplotlib.transforms import Bbox
 
+from pipeline.report import style
+
 HYPHEN = re.compile(r"(?<![\w.)\]])-(?=\.?\d)|(?<= )-(?= )|\de-\d")
 _SOME = 0.05
 """Of many symbols so many may lie beneath others."""
@@ -31,13 +33,22 @@ def faults(drawing: Figure) -> list[str]:
     Found are words outside the figure or over other words, over a legend or a curve; "[1]" for a unit; a hyphen for a
     minus; empty fields; a curve wholly beneath another and a symbol beneath one at least as large.
     """
+    found = faults_of_words(drawing)
+    for number, axes in enumerate(drawing.axes):
+        if axes.get_visible():
+            found += [f"field {number}: {one}" for one in (*_hidden_curves(axes), *_hidden_symbols(axes))]
+    return found
+
+
+def faults_of_words(drawing: Figure) -> list[str]:
+    """Return the faults that made-up numbers show as well as real ones: those of words, and empty fields."""
     renderer = FigureCanvasAgg(drawing).get_renderer()
+    style.typeset(drawing)
     drawing.draw_without_rendering()
     found = [*_of_words(drawing, renderer), *_of_boxes(drawing)]
     for number, axes in enumerate(drawing.axes):
-        where = f"field {number}"
         if axes.get_visible():
-            found += [f"{where}: {one}" for one in (*_empty(axes), *_hidden_curves(axes), *_hidden_symbols(axes))]
+            found += [f"field {number}: {one}" for one in _empty(axes)]
     return found
 
 

@@ -173,7 +173,7 @@ def at_ends(axes: Axes, ends: Iterable[tuple[float, str, str]], apart: float = 0
     right = axes.get_xlim()[1]
     found = [(float(scale.transform((right, value))[1]), words, colour) for value, words, colour in ends]
     found.sort(key=lambda end: end[0])
-    heights = _spread([min(max(height, 0.0), 1.0) for height, *_ in found], apart)
+    heights = spread([min(max(height, 0.0), 1.0) for height, *_ in found], apart)
     for height, (_, words, colour) in zip(heights, found, strict=True):
         axes.annotate(
             words, (1.0, height), xycoords="axes fraction", xytext=(5, 0), textcoords="offset points", va="center",
@@ -181,7 +181,7 @@ def at_ends(axes: Axes, ends: Iterable[tuple[float, str, str]], apart: float = 0
         )  # fmt: skip
 
 
-def _spread(wanted: Sequence[float], apart: float) -> list[float]:
+def spread(wanted: Sequence[float], apart: float) -> list[float]:
     """Return ascending places at least `apart` from each other, moved as a group from where they are wanted."""
     groups: list[list[float]] = []
     for place in wanted:
@@ -236,13 +236,13 @@ PUBLISHED_POINT: dict[str, Any] = {
 """How a point that a paper gives is plotted."""
 
 
-def shaded(axes: Axes, moments: Any, where: Any, words: str = "") -> Artist:
+def shaded(axes: Axes, moments: Any, where: Any, words: str = "", at: float = 0.12) -> Artist:
     """Shade a stretch over the whole height of the axes.
 
     Arguments
     ---------
     moments, where : places on the horizontal axis, and whether each belongs to it.
-    words : written into its middle at the lower edge, where it is not empty.
+    words : written into its middle, where it is not empty; `at` is their height as a share of that of the axes.
     """
     band = axes.fill_between(
         moments, 0.0, 1.0, where=where, transform=axes.get_xaxis_transform(), facecolor=SHADE, alpha=0.55,
@@ -251,7 +251,7 @@ def shaded(axes: Axes, moments: Any, where: Any, words: str = "") -> Artist:
     if words and any(where):
         inside = [float(moment) for moment, is_inside in zip(moments, where, strict=True) if is_inside]
         axes.annotate(
-            words, ((inside[0] + inside[-1]) / 2.0, 0.05), xycoords=("data", "axes fraction"), ha="center",
+            words, ((inside[0] + inside[-1]) / 2.0, at), xycoords=("data", "axes fraction"), ha="center", va="center",
             fontsize=8.5, color=INK,
         )  # fmt: skip
     return band
@@ -295,17 +295,24 @@ _JUMP = 0.02
 
 
 def typeset(drawing: Figure) -> None:
-    """Give every text of a figure true minus signs."""
+    """Give every text of a figure true minus signs; matplotlib's own numbers at ticks have them."""
+    from matplotlib.legend import Legend
     from matplotlib.text import Text
 
-    for text in drawing.findobj(Text):
-        assert isinstance(text, Text)
+    owners = [drawing, *drawing.axes, *(child for axes in drawing.axes for child in axes.child_axes)]
+    children = [child for owner in owners for child in owner.get_children()]
+    texts = [child for child in children if isinstance(child, Text)]
+    texts += [text for legend in children if isinstance(legend, Legend) for text in legend.get_texts()]
+    texts += [axis.label for axes in drawing.axes for axis in (axes.xaxis, axes.yaxis)]
+    for text in texts:
         if "-" in text.get_text() and "$" not in text.get_text():
             text.set_text(signed(text.get_text()))
 
 
 def save(drawing: Figure, folder: Path, name: str) -> list[Path]:
     """Write a figure as SVG and PNG without date, version or any other trace of when and where.
+
+    The canvases are asked directly: `savefig` draws each figure a second time before it writes.
 
     Arguments
     ---------
@@ -316,11 +323,19 @@ def save(drawing: Figure, folder: Path, name: str) -> list[Path]:
     -------
     The paths written.
     """
+    import matplotlib
+    from matplotlib.backends.backend_agg import FigureCanvasAgg
+    from matplotlib.backends.backend_svg import FigureCanvasSVG
+
     paths = [folder / f"{name}.svg", folder / f"{name}.png"]
     typeset(drawing)
     _settle(drawing)
-    drawing.savefig(paths[0], format="svg", metadata={"Date": None, "Creator": None, "Title": name})
-    drawing.savefig(paths[1], format="png", metadata={"Software": None})
+    vector: Any = FigureCanvasSVG(drawing)
+    with paths[0].open("w", encoding="utf-8", newline="\n") as file:
+        vector.print_svg(file, metadata={"Date": None, "Creator": None, "Title": name})
+    drawing.set_dpi(matplotlib.rcParams["savefig.dpi"])
+    pixels: Any = FigureCanvasAgg(drawing)
+    pixels.print_png(paths[1], metadata={"Software": None})
     return paths
 
 
@@ -330,9 +345,13 @@ def _settle(drawing: Figure) -> None:
     The layout's solver orders its equations by addresses in memory, so that its last digits differ from run to run; SVG
     names a clipped region after all of its digits.
     """
+    from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.transforms import Bbox
 
-    drawing.draw_without_rendering()
+    FigureCanvasAgg(drawing)
+    engine = drawing.get_layout_engine()
+    if engine is not None:
+        engine.execute(drawing)
     drawing.set_layout_engine("none")
     for axes in drawing.axes:
         if axes.get_axes_locator() is None:

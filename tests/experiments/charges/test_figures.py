@@ -15,6 +15,7 @@ from pipeline.report.tables import ReportData
 from tests import making
 from tests.experiments.charges.artefacts import MODES, charge
 from tests.experiments.drawing import CONF, cards, drawn, saved
+from tests.experiments.looking import faults
 
 UNIT = re.compile(
     r"\[(A|V|W|mW|mΩ|mV/K|µJ|Wh|F|Hz|%|% of the input|h|min|s|ms|W/m²/s|°C|K|"
@@ -64,6 +65,8 @@ def test_every_figure_has_units_on_its_axes_and_is_the_same_bytes_twice(name, ca
         drawing = card.drawing().draw(card, whole)
         first = style.save(drawing, tmp_path / "first", name)
     units_stand_on_the_axes(name, card, drawing)
+    with style.active():
+        assert faults(drawing) == []
     fresh = ReportData(whole.inputs, whole.modes, whole.comparisons, whole.settings)
     second = saved(card, fresh, tmp_path / "second", name)
     assert [path.name for path in first] == [f"{name}.svg", f"{name}.png"]

@@ -14,7 +14,7 @@ from pipeline.quantity import Vocabulary
 from pipeline.report.pages import PageFigure
 from pipeline.report.tables import ModeLabel, ReportData
 from tests import making
-from tests.experiments.drawing import cards, drawn, saved
+from tests.experiments.drawing import cards, drawn, looked_at, saved
 
 OURS = [name for name, card in cards().items() if card.owner() == "days"]
 MODES = {"cc_cv": "CC-CV", "cv_pulse": "CV-pulse", "cv_reflex": "CV-Reflex"}
@@ -93,6 +93,7 @@ def test_it_draws(days, whole, tmp_path, name):
     for number, data in enumerate((days, whole)):
         for path in saved(cards()[name], data, tmp_path):
             assert path.stat().st_size > 1000, ("with days", "without")[number]
+        assert looked_at(cards()[name], data) == []
 
 
 def test_the_bars_are_as_long_as_the_day(days):

@@ -12,6 +12,7 @@ from pipeline.report import style
 from pipeline.report.records import FigureCard
 from pipeline.report.tables import ModeLabel, ReportData
 from tests import making
+from tests.experiments.looking import faults_of_words
 from tests.experiments.network.artefacts import network_half
 
 
@@ -35,6 +36,8 @@ def test_it_is_drawn_twice_the_same(data, tmp_path, name):
             figure = drawn(f"network_{name}", data)
             made.append([path.read_bytes() for path in style.save(figure, tmp_path / folder, "one")])
     assert made[0] == made[1]
+    with style.active():
+        assert faults_of_words(figure) == []
 
 
 def test_the_surface_shows_the_centres_and_where_the_network_errs(data):

@@ -13,6 +13,7 @@ from pipeline.experiments.staging.page import tables
 from pipeline.report import style
 from pipeline.report.records import FigureCard
 from pipeline.report.tables import ReportData, report_data, to_csv
+from tests.experiments.looking import faults_of_words
 from tests.experiments.staging.staging_world import SEARCHED, make, nodes, small
 from tests.making import inputs
 
@@ -57,6 +58,8 @@ def texts(found) -> str:
 @pytest.mark.parametrize("name", CARDS)
 def test_every_figure_draws_with_units_on_its_axes(name, world):
     found = drawn(name, data_of(name, world))
+    with style.active():
+        assert faults_of_words(found) == []
     fields = found.get_axes()
     if card_of(name).draw in DIAGRAMS:
         assert len(fields[0].texts) > 4

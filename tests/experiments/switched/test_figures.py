@@ -11,7 +11,7 @@ from pipeline.converter.records import BOOST
 from pipeline.experiments.switched import page
 from pipeline.report.tables import ModeLabel, ReportData
 from tests import making
-from tests.experiments.drawing import cards, drawn, saved
+from tests.experiments.drawing import cards, drawn, looked_at, saved
 
 STEPS = {"cv_pulse": ("charge begins", "charge ends"), "cv_reflex": ("charge begins", "discharge begins")}
 
@@ -49,6 +49,7 @@ def test_it_draws(tmp_path, name, pulses):
     data = data_of(switched=write(tmp_path / "switched", pulses))
     for path in saved(cards()[name], data, tmp_path):
         assert path.stat().st_size > 1000
+    assert looked_at(cards()[name], data) == []
 
 
 def test_each_kind_of_step_has_its_field(tmp_path):

@@ -13,7 +13,7 @@ from pipeline.experiments.tracking.records import TRACKING_NUMBERS
 from pipeline.report.pages import PageFigure
 from pipeline.report.tables import ReportData
 from tests import making
-from tests.experiments.drawing import cards, drawn, saved
+from tests.experiments.drawing import cards, drawn, looked_at, saved
 
 TRACKERS = {"perturb_observe": "perturb and observe", "particle_swarm": "particle swarm"}
 SETTINGS = {"trackers": TRACKERS, "skies": {"clear": "clear"}}
@@ -101,6 +101,7 @@ def test_it_draws_with_and_without_artefacts(supplied, whole, tmp_path, name):
     for folder, data in (("with", supplied), ("without", whole)):
         for path in saved(cards()[name], data, tmp_path / folder):
             assert path.stat().st_size > 1000
+        assert looked_at(cards()[name], data) == []
 
 
 def test_every_tracker_has_its_line_and_its_end(supplied):

@@ -16,6 +16,7 @@ from pipeline.report.records import FigureCard
 from pipeline.report.tables import ModeLabel, ReportData
 from tests import making
 from tests.charge.samples import ENGINE, battery, settings
+from tests.experiments.looking import faults
 from tests.experiments.network.artefacts import network_half
 from tests.experiments.trade_off.test_trade_off import CHOSEN, MODES
 
@@ -74,9 +75,12 @@ def test_every_figure_draws_and_is_the_same_bytes_twice(name, whole, tmp_path):
         (tmp_path / folder).mkdir()
         fresh = ReportData(making.inputs(dict(whole.inputs)), whole.modes, whole.comparisons, whole.settings)
         with style.active():
-            paths = style.save(card.drawing().draw(card, fresh), tmp_path / folder, name)
+            drawing = card.drawing().draw(card, fresh)
+            paths = style.save(drawing, tmp_path / folder, name)
         made.append([path.read_bytes() for path in paths])
     assert made[0] == made[1]
+    with style.active():
+        assert faults(drawing) == []
 
 
 @pytest.mark.parametrize("name", NAMES)

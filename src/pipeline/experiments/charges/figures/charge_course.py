@@ -14,7 +14,7 @@ from pipeline.report.records import FigureCard
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-    from pipeline.report.tables import ReportData
+    from pipeline.report.tables import Columns, ReportData
 
 
 READS = ("charge",)
@@ -58,10 +58,16 @@ def draw(figure: FigureCard, data: ReportData) -> Figure:
         for axes in (current, voltage):
             axes.axvline(start, color=style.GREY, linewidth=1.0, linestyle=":")
         voltage.annotate(
-            f"voltage held from {soc:.3g} % SOC ", (start, 0.08), xycoords=("data", "axes fraction"), ha="right",
-            color=style.GREY,
+            f"voltage held from {soc:.3g} % SOC,\nfor {_lasting(trace, int(held[0])):.0f} s ", (start, 0.12),
+            xycoords=("data", "axes fraction"), ha="right", va="center", color=style.GREY,
         )  # fmt: skip
-    current.set_ylim(bottom=0.0)
+    current.set_ylim(0.0, 1.12 * float(np.max(trace["Current / A"])))
     current.set_title(data.modes[options.mode].title)
     voltage.set_xlabel("Time [min]")
     return drawing
+
+
+def _lasting(trace: Columns, first: int) -> float:
+    """Return how long the charge lasts from a row on [s]."""
+    time = trace["Test Time / s"]
+    return float(time[-1] - (time[first - 1] if first else 0.0))

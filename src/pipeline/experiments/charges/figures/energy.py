@@ -21,8 +21,10 @@ Options = NoOptions
 
 _JOULE_PER_WH = 3600.0
 _SMALLEST_NAMED_SHARE = 0.005
-_SMALLEST_WRITTEN_SHARE = 0.045
+_SMALLEST_WRITTEN_SHARE = 0.07
 _OTHERS = "all others"
+_BELOW = 0.38
+"""How far below the middle of a bar its sum is marked."""
 
 
 def draw(figure: FigureCard, data: ReportData) -> Figure:
@@ -50,13 +52,14 @@ def draw(figure: FigureCard, data: ReportData) -> Figure:
     named = _named(list(losses.values()))
     parts = style.parts(named) | {_OTHERS: style.REST}
     split = {key: _parted(found, named) for key, found in losses.items()}
+    widest = max((sum(map(abs, found.values())) for found in split.values()), default=0.0)
     for (whole, less), comparison in zip(fields, comparisons, strict=False):
         whole.set_title(data.comparisons[comparison])
         modes = data.charged(comparison)
         first = split[comparison, modes[0]]
         for place, mode in enumerate(modes):
             found = split[comparison, mode]
-            _bar(whole, place, found, parts)
+            _bar(whole, place, found, parts, widest)
             _total(whole, place, found)
             _difference(less, place, {path: value - first[path] for path, value in found.items()}, parts)
         less.text(0.0, 0, " reference", va="center", fontsize=9, color=style.GREY)
@@ -84,13 +87,13 @@ def _legend(drawing: Figure, fields: Iterable[Axes], parts: Mapping[str, style.P
 
     drawn = {str(bar.get_label()) for axes in fields for bar in axes.containers}
     handles: list[Any] = [Patch(**style.filled(part), label=path) for path, part in parts.items() if path in drawn]
-    if any(line.get_marker() == "D" for axes in fields for line in axes.lines):
+    if any(line.get_marker() == "^" for axes in fields for line in axes.lines):
         handles.append(Line2D([], [], **_NET, label="sum"))
     if handles:
         drawing.legend(handles=handles, loc="outside upper center", ncols=4, fontsize=9, handlelength=2.0)
 
 
-_NET: dict[str, Any] = {"marker": "D", "color": "#000000", "markeredgecolor": "white", "linestyle": "", "markersize": 6}
+_NET: dict[str, Any] = {"marker": "^", "color": "#000000", "markeredgecolor": "white", "linestyle": "", "markersize": 7}
 
 
 def _losses(data: ReportData, comparison: str, mode: str) -> dict[str, float]:
@@ -125,17 +128,16 @@ def _parted(losses: Mapping[str, float], named: list[str]) -> dict[str, float]:
 
 
 def _bar(
-    axes: Axes, place: int, found: Mapping[str, float], parts: Mapping[str, style.Part], written: bool = True
+    axes: Axes, place: int, found: Mapping[str, float], parts: Mapping[str, style.Part], widest: float = 0.0
 ) -> None:
-    """Stack the parts of a bar, what is gained back to the left of zero."""
+    """Stack the parts of a bar, what is gained back to the left of zero; with its widest, write what has room."""
     ends = {True: 0.0, False: 0.0}
-    total = sum(map(abs, found.values())) or 1.0
     for path, value in found.items():
         start = ends[value >= 0]
         ends[value >= 0] += value
         if value:
             axes.barh(place, value, left=start, height=0.62, label=path, **style.filled(parts[path]))
-        if written and abs(value) > _SMALLEST_WRITTEN_SHARE * total:
+        if widest and abs(value) > _SMALLEST_WRITTEN_SHARE * widest:
             style.written_on(axes, start + value / 2, f"{value:.2f}", parts[path], place)
 
 
@@ -143,14 +145,14 @@ def _total(axes: Axes, place: int, found: Mapping[str, float]) -> None:
     """Write the sum beside a bar; where a part is gained back, mark where on the axis the sum lies."""
     end, total = sum(max(0.0, value) for value in found.values()), sum(found.values())
     if end - total > 1e-9 * end:
-        axes.plot(total, place, **_NET)
+        axes.plot(total, place + _BELOW, **_NET)
     axes.text(end, place, f"  {total:.2f} Wh", va="center")
 
 
 def _difference(axes: Axes, place: int, found: Mapping[str, float], parts: Mapping[str, style.Part]) -> None:
     if not any(found.values()):
         return
-    _bar(axes, place, found, parts, written=False)
+    _bar(axes, place, found, parts)
     end, total = sum(max(0.0, value) for value in found.values()), sum(found.values())
-    axes.plot(total, place, **_NET)
+    axes.plot(total, place + _BELOW, **_NET)
     axes.text(end, place, f"  {total:+.3f}", va="center", fontsize=9)

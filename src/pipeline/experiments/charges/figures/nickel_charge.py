@@ -91,13 +91,13 @@ def draw(figure: FigureCard, data: ReportData) -> Figure:
             _ambient(axes, trace)
         if name == "voltage":
             _peak(axes, time, values)
+    fields[-1].set_xlim(0.0, float(trace["Test Time / s"][-1]) * 1.01)
     _shade(fields, options, trace)
     _mark(fields, options, data)
     fields[0].set_title(
         f"{data.modes[options.mode].title}, {data.comparisons[comparisons[0]]}", pad=28 if options.c_rate else 7
     )
     fields[-1].set_xlabel("Time [s]")
-    fields[-1].set_xlim(0.0, float(trace["Test Time / s"][-1]) * 1.01)
     drawing.align_ylabels()
     return drawing
 
@@ -121,20 +121,20 @@ def _series(trace: Columns, name: str) -> tuple[NDArray[np.float64], NDArray[np.
 def _shade(fields: NDArray[np.object_], options: Options, trace: Columns) -> None:
     """Shade where the charge is outside what the cell is described for, or its rate beyond the network's input."""
     for name, limit, words in (
-        ("temperature", options.valid_to_c, "outside the cell's validity"),
-        ("rate", options.held_above_k_min, "network's input held"),
+        ("temperature", options.valid_to_c, "outside the\ncell's validity"),
+        ("rate", options.held_above_k_min, "network's input held at {limit:g} K/min:\n{share:.0f} % of the charge"),
     ):
         if limit is None:
             continue
         time, values = _series(trace, name)
+        beyond = values > limit
+        said = words.format(limit=limit, share=100.0 * float(np.mean(beyond)))
+        telling = options.show.index(name) if name == "rate" and name in options.show else 0
         for place, axes in enumerate(fields):
-            band = axes.fill_between(
-                time, 0.0, 1.0, where=values > limit, transform=axes.get_xaxis_transform(), color="#c9ced3", alpha=0.5,
-                linewidth=0.0, zorder=0,
-            )  # fmt: skip
-            if place == 0 and np.any(values > limit):
-                band.set_label(words)
-                axes.legend(loc="lower left", fontsize=8)
+            is_told = place == telling
+            style.shaded(axes, time, beyond, said if is_told else "", 0.75 if name == "rate" else 0.2)
+            if name in options.show and place == options.show.index(name):
+                axes.axhline(limit, color=style.INK, linewidth=0.9, linestyle=(0, (4, 2)))
 
 
 def _ambient(axes: Axes, trace: Columns) -> None:
@@ -146,7 +146,7 @@ def _peak(axes: Axes, time: NDArray[np.float64], values: NDArray[np.float64]) ->
     if 0 < top < len(values) - 1:
         axes.plot(time[top : top + 1], values[top : top + 1], "o", color=_FIELDS["voltage"].colour)
         axes.annotate(
-            f"{values[top]:.2f} V at {time[top]:.0f} s", (float(time[top]), float(values[top])), xytext=(-6, -3),
+            f"{values[top]:.2f} V at {time[top]:.0f} s", (float(time[top]), float(values[top])), xytext=(-8, -4),
             textcoords="offset points", ha="right", va="top", fontsize=9, color="#333333",
             bbox={"facecolor": "white", "edgecolor": "none", "alpha": 0.85, "pad": 1.0}, zorder=6,
         )  # fmt: skip
@@ -164,16 +164,20 @@ def _mark(fields: NDArray[np.object_], options: Options, data: ReportData) -> No
                 moments[words] = float(table["end_time_s"][rows][0])
     if options.published_stop_s is not None:
         moments["paper"] = options.published_stop_s
-    place = -np.inf
-    span = float(max(moments.values(), default=1.0))
-    for words, when in sorted(moments.items(), key=lambda item: item[1]):
+    span = float(fields[0].get_xlim()[1])
+    found = sorted(moments.items(), key=lambda item: item[1])
+    places = style.spread([when for _, when in found], 0.085 * span)
+    places = [place - max(0.0, places[-1] - 0.985 * span) for place in places]
+    for (words, when), place in zip(found, places, strict=True):
         ours = words != "paper"
+        colour = style.INK if ours else style.PUBLISHED
         for axes in fields:
-            axes.axvline(when, color=style.GREY if ours else "#222222", linewidth=1.1, linestyle=":" if ours else "--")
-        place = max(when, place + 0.095 * span)
+            axes.axvline(
+                when, color=style.GREY if ours else colour, linewidth=1.1, linestyle=":" if ours else (0, (4, 1.5))
+            )
         fields[0].annotate(
-            f"{words}\n{when:.0f} s", (when, 1.0), xycoords=("data", "axes fraction"), xytext=(place, 1.09),
-            textcoords=("data", "axes fraction"), ha="center", va="bottom", fontsize=8, color="#333333",
+            f"{words}\n{when:.0f} s", (when, 1.0), xycoords=("data", "axes fraction"), xytext=(place, 1.07),
+            textcoords=("data", "axes fraction"), ha="center", va="bottom", fontsize=8, color=colour,
             annotation_clip=False,
             arrowprops={"arrowstyle": "-", "color": "#bbbbbb", "linewidth": 0.7, "relpos": (0.5, 0.0), "shrinkA": 0.0},
         )  # fmt: skip

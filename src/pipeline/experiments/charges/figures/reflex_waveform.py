@@ -62,7 +62,7 @@ def draw(figure: FigureCard, data: ReportData) -> Figure:
     _steps(axes, edges, levels, options.periods)
     _intervals(axes, edges, levels)
     axes.set_title(f"{label.title}: {frequency_hz:.4g} Hz, a period of {period_ms:.4g} ms")
-    axes.set_ylim(-discharge_a - 0.28 * charge_a, 1.3 * charge_a)
+    axes.set_ylim(-discharge_a - 0.34 * charge_a, 1.3 * charge_a)
     axes.grid(False)
     return drawing
 
@@ -98,7 +98,7 @@ def _intervals(axes: Axes, edges: np.ndarray, levels: np.ndarray) -> None:
         centre = edges[place : place + 2].mean()
         offset = -14 if side == "right" else 14
         axes.annotate(
-            text, (centre, levels[place] if place == 1 else 0.0), xytext=(offset, -22 if place == 2 else -4),
+            text, (centre, levels[place] if place == 1 else 0.0), xytext=(offset, -22 if place == 2 else -16),
             textcoords="offset points", ha=side, va="center",
             arrowprops={"arrowstyle": "-", "color": "#333333", "linewidth": 0.8, "shrinkB": 2},
         )  # fmt: skip

@@ -69,7 +69,7 @@ def _ranked(axes: Axes, table: Columns, numbers: dict[str, float]) -> None:
             axis=0,
         )
         for place in np.flatnonzero(row):
-            _point_at(axes, (float(rank[place]), float(mean[place])), words, wanted, lift, mark)
+            _point_at(axes, (float(rank[place]), float(mean[place])), (words, wanted), lift, mark, len(rank))
     spread = table["standard_deviation"].astype(float)
     middle = float(np.nanmedian(spread)) if np.isfinite(spread).any() else np.nan
     axes.set_title(f"All {len(mean)} combinations; single searches spread by {middle:.2g} mW² s")
@@ -93,13 +93,22 @@ def _outliers(axes: Axes, rank: np.ndarray, mean: np.ndarray) -> None:
 
 
 def _point_at(
-    axes: Axes, place: tuple[float, float], words: str, knobs: list[float], lift: float, mark: dict[str, Any]
+    axes: Axes,
+    place: tuple[float, float],
+    words: tuple[str, list[float]],
+    lift: float,
+    mark: dict[str, Any],
+    count: int,
 ) -> None:
-    text = f"{words}\nC1, C2, W = {', '.join(f'{value:g}' for value in knobs)}"
+    """Mark a chosen combination and name it, on the side where there is room."""
+    side = 1 if place[0] < 0.38 * count else -1
+    knobs = ", ".join(f"{value:g}" for value in words[1])
+    text = f"{words[0]}\nC1, C2, W = {knobs}"
     axes.plot(*place, **mark | {"zorder": 5, "markerfacecolor": "none", "markeredgecolor": mark["color"]})
     axes.annotate(
-        text, place, xytext=(-20, lift), textcoords="offset points", ha="right", va="center", fontsize=9,
-        color=mark["color"], arrowprops={"arrowstyle": "-", "color": mark["color"], "linewidth": 0.8},
+        text, place, xytext=(20 * side, lift), textcoords="offset points", ha="left" if side > 0 else "right",
+        va="center", fontsize=9, color=mark["color"],
+        arrowprops={"arrowstyle": "-", "color": mark["color"], "linewidth": 0.8},
     )  # fmt: skip
 
 

@@ -6,9 +6,11 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
+from pydantic import Field
 
+from pipeline.record import Record
 from pipeline.report import style
-from pipeline.report.records import FigureCard, NoOptions
+from pipeline.report.records import FigureCard
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -18,7 +20,15 @@ if TYPE_CHECKING:
 
 
 READS = ("network",)
-Options = NoOptions
+
+
+class Options(Record):
+    """The convergence, beside what the paper's plot says at the end of its generations."""
+
+    published_best: float | None = Field(default=None, gt=0, description="best error in the paper")
+    published_mean: float | None = Field(default=None, gt=0, description="mean error in the paper")
+
+
 Array = NDArray[np.float64]
 
 
@@ -30,6 +40,8 @@ def draw(figure: FigureCard, data: ReportData) -> Figure:
     figure : the card.
     data : the course of the genetic algorithm.
     """
+    options = figure.chosen()
+    assert isinstance(options, Options)
     table, found = data.table("network", "course"), data.numbers("network")
     replicates = len(np.unique(table["replicate"]))
     generation = table["generation"].reshape(replicates, -1)[0].astype(float)
@@ -45,8 +57,15 @@ def draw(figure: FigureCard, data: ReportData) -> Figure:
         generation, best[chosen], where="post", color=style.MARKS[0].colour, linewidth=1.8, label="best run: best"
     )
     axes.axvline(used, color="#222222", linewidth=0.8, linestyle=":")
-    title = f"Generation {used}: best {best[chosen, used]:.4g}, mean {mean[chosen, used]:.4g} C²"
-    axes.set(xlabel="Generation", ylabel="Mean square error [C²]", yscale="log", title=title)
+    for value, words in ((options.published_best, "best"), (options.published_mean, "mean")):
+        if value is not None:
+            axes.plot(used, value, **style.PUBLISHED_POINT)
+            axes.annotate(
+                f"published {words}: {value:.2g}", (used, value), xytext=(9, -11 if words == "best" else 46),
+                textcoords="offset points", color=style.PUBLISHED, fontsize=9, bbox=style.BEHIND_WORDS, zorder=6,
+            )  # fmt: skip
+    title = f"Generation {used}: best {best[chosen, used]:.4g}, mean {mean[chosen, used]:.4g}"
+    axes.set(xlabel="Generation", ylabel="Mean square error [(C-rate)²]", yscale="log", title=title)
     axes.set_xlim(0.0, generation[-1])
     drawing.legend(*axes.get_legend_handles_labels(), loc="outside upper center", ncols=4, fontsize=9)
     return drawing

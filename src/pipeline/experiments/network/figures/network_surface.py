@@ -52,8 +52,11 @@ def draw(figure: FigureCard, data: ReportData) -> Figure:
         x, y, rates["rate_c"], cmap="cividis", rstride=1, cstride=1, linewidth=0.2, edgecolor="#ffffff55"
     )
     solid.view_init(**_VIEW)
-    solid.set(xlabel="T [°C]", ylabel=f"dT/dt [{unit}]", title="Data: rate [C]")
-    solid.set_box_aspect(None, zoom=0.86)
+    solid.set(xlabel="T [°C]", zlabel="rate [C]", title="Data")
+    solid.set_ylabel(f"dT/dt [{unit}]", labelpad=9)
+    solid.tick_params(labelsize=7.5, pad=0)
+    solid.zaxis.labelpad = -3
+    solid.set_box_aspect(None, zoom=0.8)
     flat = [drawing.add_subplot(grid[place]) for place in (1, 2)]
     miss = rates["network_c"] - rates["rate_c"]
     most = max(float(np.max(np.abs(miss))), 1e-12)

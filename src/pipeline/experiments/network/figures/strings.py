@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import itertools
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -55,6 +55,7 @@ def draw(figure: FigureCard, data: ReportData) -> Figure:
         _string(left, height, table["row"][rows], colour)
         _points(right, height, table["temperature_c"][rows], table["rate_c"][rows], colour)
     _printed(left, right, len(names), data)
+    _sizes(drawing)
     left.set_yticks(range(len(names) + 1), [*(_TITLES[name] for name in names), "Table II, as far as legible"])
     left.set_ylim(len(names) + 0.6, -0.6)
     left.set_xlim(0.0, 6.0 if not len(table["centre"]) else float(table["centre"].max()))
@@ -63,7 +64,7 @@ def draw(figure: FigureCard, data: ReportData) -> Figure:
     left.grid(False)
     left.spines[["left", "bottom"]].set_visible(False)
     left.tick_params(length=0)
-    right.set_title("Their temperatures, and rates as size")
+    right.set_title("Their temperatures")
     right.set_xlabel("Temperature [°C]")
     return drawing
 
@@ -84,8 +85,35 @@ def _points(axes: Axes, height: int, temperature: NDArray[np.float64], rate: NDA
         if temperature[after] - temperature[before] < 1.0:
             shift[after] = shift[before] + 0.22
     axes.scatter(
-        temperature, height + shift - shift.max() / 2, s=14.0 + 11.0 * rate, color=colour, edgecolor="white", zorder=3
+        temperature, height + shift - shift.max() / 2, s=_size(rate), color=colour, edgecolor="white", zorder=3
     )
+
+
+def _size(rate: Any) -> Any:
+    """Return the area of the symbol of a rate [points²]."""
+    return 14.0 + 11.0 * rate
+
+
+def _sizes(drawing: Figure) -> None:
+    """Tell the size of a symbol for some rates."""
+    from matplotlib.lines import Line2D
+
+    handles = [
+        Line2D(
+            [],
+            [],
+            linestyle="",
+            marker="o",
+            color="#555555",
+            markersize=float(np.sqrt(_size(rate))),
+            label=f"{rate:g}C",
+        )
+        for rate in (0.0, 2.0, 4.0, 8.0)
+    ]
+    drawing.legend(
+        handles=handles, loc="outside upper right", ncols=4, fontsize=9, handlelength=1.0,
+        title="size of a symbol: rate", title_fontsize=9,
+    )  # fmt: skip
 
 
 def _printed(left: Axes, right: Axes, height: int, data: ReportData) -> None:
@@ -94,6 +122,6 @@ def _printed(left: Axes, right: Axes, height: int, data: ReportData) -> None:
     table = data.table("surface", "printed")
     rows = table["surface"] == table["surface"][0]
     known: Columns = {name: column[rows] for name, column in table.items()}
-    _points(right, height, known["temperature_c"], known["printed_rate_c"], style.MARKS[2].colour)
+    _points(right, height, known["temperature_c"], known["printed_rate_c"], style.PUBLISHED)
     said = "   ".join(f"{t:g} °C, {g:g}" for t, g in zip(known["temperature_c"], known["gradient"], strict=True))
-    left.text(0.05, height, said, va="center", fontsize=8.5, color=style.MARKS[2].colour)
+    left.text(0.05, height, said, va="center", fontsize=8.5, color=style.PUBLISHED)

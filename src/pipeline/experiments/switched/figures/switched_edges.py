@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Literal
+from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 from pydantic import Field
@@ -59,7 +59,9 @@ def draw(figure: FigureCard, data: ReportData) -> Figure:
     marks = style.marks(list(data.modes))
     for row, (comparison, mode) in enumerate(strips):
         own = _rows(shown, (shown["comparison"] == comparison) & (shown["mode"] == mode))
-        _strip(fields[row], own, options.quantity, marks[mode])
+        spare = _strip(fields[row], own, options.quantity, marks[mode])
+        if row == 0:
+            _tell(drawing, spare, options.quantity, [marks[name] for _, name in strips])
         title = data.modes[mode].title
         several = len({name for name, _ in strips}) > 1
         fields[row, 0].set_ylabel(f"{title}\n{data.comparisons[comparison]}" if several else title)
@@ -81,15 +83,36 @@ def _rows(columns: Columns, wanted: np.ndarray) -> Columns:
     return {name: column[wanted] for name, column in columns.items()}
 
 
-def _strip(fields: np.ndarray, own: Columns, quantity: str, mark: style.Mark) -> None:
+def _strip(fields: np.ndarray, own: Columns, quantity: str, mark: style.Mark) -> Axes | None:
+    """Draw the steps of a mode; return a field that is left over."""
     used = set()
     for kind in dict.fromkeys(own["kind"]):
         axes = fields[_PLACES[str(kind)]]
         used.add(_PLACES[str(kind)])
         _step(axes, _rows(own, own["kind"] == kind), quantity, mark)
         axes.set_title(str(kind).capitalize())
-    for place in set(range(3)) - used:
+    left = sorted(set(range(3)) - used)
+    for place in left:
         fields[place].set_axis_off()
+    return fields[left[-1]] if left else None
+
+
+def _tell(drawing: Figure, spare: Axes | None, quantity: str, marks: list[style.Mark]) -> None:
+    """Put the legend into a field that is left over, or above all."""
+    from matplotlib.legend_handler import HandlerTuple
+    from matplotlib.lines import Line2D
+
+    own = tuple(Line2D([], [], color=mark.colour, linewidth=1.6) for mark in dict.fromkeys(marks))
+    found: list[tuple[Any, str]] = [(own, "at the battery, switch by switch")]
+    if quantity == "current":
+        found.append((Line2D([], [], color=style.GREY, linewidth=1.0, alpha=0.8), "the inductor's current"))
+    found.append((Line2D([], [], color=style.GREY, linewidth=0.8, linestyle=":"), "the charge asks for the step"))
+    handles, labels = zip(*found, strict=True)
+    look: dict[str, Any] = {"fontsize": 9, "handler_map": {tuple: HandlerTuple(ndivide=None, pad=0.2)}}
+    if spare is not None:
+        spare.legend(handles, labels, loc="center left", **look)
+    else:
+        drawing.legend(handles, labels, loc="outside upper center", ncols=3, **look)
 
 
 def _step(axes: Axes, own: Columns, quantity: str, mark: style.Mark) -> None:

@@ -43,7 +43,8 @@ def draw(figure: FigureCard, data: ReportData) -> Figure:
     fields[2].set_ylabel("Panel voltage [V]")
     fields[2].set_xlabel("Time [s]")
     if "tracking" not in data.inputs:
-        style.nothing(fields[0], "no trackers were tried")
+        for axes in fields:
+            style.nothing(axes, "no trackers were tried")
         return drawing
     found, names = data.table("tracking", "course"), titles(data)
     marks = style.marks(list(names))

@@ -35,7 +35,7 @@ def draw(figure: FigureCard, data: ReportData) -> Figure:
 
     Returns
     -------
-    The figure; a cross at the edge: never charged.
+    The figure; where it never is charged, that is said at the edge.
     """
     if "trade_off" not in data.inputs:
         drawing = style.figure(3.0)
@@ -57,25 +57,22 @@ def draw(figure: FigureCard, data: ReportData) -> Figure:
             mark = marks[mode]
             axes.plot(shown, heights, linestyle="", marker=mark.marker, color=mark.colour, markersize=7)
             never = ~np.isfinite(shown)
-            axes.plot(
-                np.full(int(never.sum()), 0.97), heights[never], linestyle="", marker="x", markersize=7,
-                color=mark.colour, transform=axes.get_yaxis_transform(),
-            )  # fmt: skip
             for height in heights[never]:
                 axes.annotate(
-                    "never", (0.93, float(height)), xycoords=axes.get_yaxis_transform(), ha="right", va="center",
-                    fontsize=8, color=mark.colour,
+                    "never", (0.98, float(height)), xycoords=axes.get_yaxis_transform(), ha="right", va="center",
+                    fontsize=9, fontweight="bold", color=mark.colour,
                 )  # fmt: skip
         axes.set_xlabel(label)
         axes.set_xmargin(0.12)
         if column == "time_to_full_s":
-            axes.set_xlim(0.0, 1.3 * factor * float(np.nanmax(table[column][np.isin(table["law"], modes)])))
+            axes.set_xlim(0.0, 1.4 * factor * float(np.nanmax(table[column][np.isin(table["law"], modes)])))
     names = ["ideal, 1 s"] + [titles.get(name, {}).get("title", name) for name in sensors[1:]]
     fields[0].set_yticks(range(len(sensors)), names)
     fields[0].set_ylim(len(sensors) - 0.5, -0.5)
-    style.legend(
-        drawing, {mode: data.modes[mode].title for mode in modes}, {mode: marks[mode] for mode in modes}, markers=True
-    )
+    handles = style.handles({mode: data.modes[mode].title for mode in modes}, {mode: marks[mode] for mode in modes})
+    for handle in handles:
+        handle.set_linestyle("")
+    drawing.legend(handles=handles, loc="outside upper center", ncols=4)
     return drawing
 
 

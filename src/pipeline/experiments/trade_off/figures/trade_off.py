@@ -80,12 +80,17 @@ def _where(table: Columns, condition: str, law: str) -> Columns:
 
 
 def _constants(axes: Axes, rows: Columns) -> None:
-    for stop, (_, mark) in _STOPS.items():
+    for stop, (words, mark) in _STOPS.items():
         mine = (rows["stop"] == stop) & np.isfinite(rows["time_to_full_s"])
         if not np.any(mine):
             continue
         minutes, peak = rows["time_to_full_s"][mine] / _SECONDS_PER_MINUTE, rows["peak_temperature_c"][mine]
         axes.plot(minutes, peak, color=mark.colour, linestyle=mark.line, linewidth=1.5)
+        if float(np.min(peak)) > 0.9 * _HOTTEST_C:
+            axes.text(
+                0.02, 0.96, f"{words}: {float(np.min(peak)):.0f} °C and more", transform=axes.transAxes, ha="left",
+                va="top", fontsize=8.5, color=mark.colour,
+            )  # fmt: skip
         if stop == "voltage_drop":
             _name_rates(axes, rows["c_rate"][mine], minutes, peak)
 
@@ -95,7 +100,7 @@ def _name_rates(axes: Axes, rates: NDArray[Any], minutes: NDArray[Any], peak: ND
         place = np.flatnonzero(rates == rate)
         if len(place):
             at = (float(minutes[place[0]]), float(peak[place[0]]))
-            axes.plot(*at, ".", color=style.MARKS[0].colour)
+            axes.plot(*at, ".", color=style.MARKS[0].colour, zorder=6)
             axes.annotate(f"{rate:g}C", at, xytext=(2, 5), textcoords="offset points", fontsize=8, color="#333333")
 
 
@@ -105,7 +110,8 @@ def _modes(axes: Axes, table: Columns, condition: str, data: ReportData) -> None
         rows = _where(table, condition, mode)
         axes.plot(
             rows["time_to_full_s"] / _SECONDS_PER_MINUTE, rows["peak_temperature_c"], linestyle="",
-            marker=marks[mode].marker, color=marks[mode].colour, markersize=9, markeredgecolor="white", zorder=5,
+            marker=marks[mode].marker, color=marks[mode].colour, markersize=10, markerfacecolor="none",
+            markeredgewidth=1.8, zorder=5,
         )  # fmt: skip
 
 
@@ -119,7 +125,17 @@ def _legend(drawing: Figure, table: Columns, data: ReportData) -> None:
         if stop in table["stop"]
     ]
     handles += [
-        Line2D([], [], linestyle="", color=marks[mode].colour, marker=marks[mode].marker, markersize=9, label=one.title)
+        Line2D(
+            [],
+            [],
+            linestyle="",
+            color=marks[mode].colour,
+            marker=marks[mode].marker,
+            markersize=10,
+            markerfacecolor="none",
+            markeredgewidth=1.8,
+            label=one.title,
+        )
         for mode, one in data.modes.items()
         if mode in table["law"]
     ]

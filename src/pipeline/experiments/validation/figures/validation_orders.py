@@ -55,7 +55,7 @@ def draw(figure: FigureCard, data: ReportData) -> Figure:
         axes.set_xscale("log")
         axes.set_yscale("log")
         across = str(table["across"][table["group"] == group][0])
-        axes.set_xlabel(sentence(across))
+        axes.set_xlabel(sentence(across).removesuffix(" [1]"))
         axes.xaxis.set_minor_formatter(NullFormatter())
         axes.legend(loc="lower right")
     fields[0, 0].set_ylabel("Relative error")
