@@ -14,13 +14,15 @@ from pipeline.kernel import registry
 from pipeline.kernel.draft import drafted, drafts
 from pipeline.kernel.experiment import EVERYTHING, Draft, Node
 from pipeline.kernel.scope import UndeclaredRead
+from tests.experiments.own_battery.making import small_file
 
 CASES = [(step.name, read) for step in registry.steps().values() for read in step.reads]
 
 
 @cache
 def _study(name: str) -> Any:
-    return study_from(compose_tree([f"study={name}"]))
+    file = [f"measured.file={small_file()}"] if name == "own_battery" else []
+    return study_from(compose_tree([f"study={name}", *file]))
 
 
 @cache

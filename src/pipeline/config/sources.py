@@ -131,7 +131,8 @@ def attribute(
     if missing:
         raise UserError(
             "parameters without a source (add it to `sources:` beside the value, "
-            "{kind: published | data_sheet | derived | estimate | calibrated | fitted, ref: ...}):\n" + "\n".join(missing)
+            "{kind: published | data_sheet | derived | estimate | calibrated | fitted, ref: ...}):\n"
+            + "\n".join(missing)
         )
     return result
 

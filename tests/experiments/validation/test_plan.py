@@ -35,8 +35,8 @@ def test_only_what_is_asked_for_is_composed(asked: list[str], studies: list[str]
     assert wanted(CARDS, asked) == studies
 
 
-def test_the_study_of_the_engine_stands_apart() -> None:
-    assert [name for name, card in cards().items() if card.get("apart")] == ["validation"]
+def test_the_study_of_the_engine_and_that_of_a_file_stand_apart() -> None:
+    assert sorted(name for name, card in cards().items() if card.get("apart")) == ["own_battery", "validation"]
     assert set(cards()) == set(options("study"))
 
 

@@ -11,11 +11,12 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from pipeline.cell.records import Battery, Tabulated
+from pipeline.experiments.own_battery.numbers import at
 from pipeline.experiments.own_battery.segments import charge_ah
-from pipeline.experiments.own_battery.unknowns import SOC, at, baked
+from pipeline.experiments.own_battery.unknowns import SOC
 
 if TYPE_CHECKING:
-    from pipeline.experiments.own_battery.own_fit import Fitted, Record
+    from pipeline.experiments.own_battery.outcome import Fitted, Record
 
 _UNITS = {
     "_v_k": "V/K", "_ohm": "ohm", "_ah": "Ah", "_s": "s", "_j_k": "J/K", "_k_w": "K/W", "_j_mol": "J/mol",
@@ -107,8 +108,8 @@ def written(
     head = (
         f"# {title}: fitted to {names}.\n"
         f"# Holds for a state of charge from {valid['soc'][0]:.2f} to {valid['soc'][1]:.2f}, currents up to "
-        f"{valid['c_rate'][1]:.2g}C, {valid['temperature_c'][0]:.0f} to {valid['temperature_c'][1]:.0f} degC. Not modelled: "
-        "the\n# hysteresis of the open-circuit voltage; it is that of the branch on which the measurement went.\n"
+        f"{valid['c_rate'][1]:.2g}C, {valid['temperature_c'][0]:.0f} to {valid['temperature_c'][1]:.0f} degC. Not "
+        "modelled:\n# the hysteresis of the open-circuit voltage, which is that of the branch that was measured.\n"
     )
     return head + yaml.safe_dump({**tree, "sources": given}, sort_keys=False, width=110, default_flow_style=None)
 
@@ -195,6 +196,3 @@ def _rounded(value: Any) -> Any:
     if isinstance(value, float) and math.isfinite(value):
         return float(f"{value:.8g}")
     return value
-
-
-__all__ = ["baked", "parameters", "unit_of", "validity", "written"]

@@ -137,7 +137,9 @@ def _drop(model: Model, vector: Array, covariance: Array) -> list[str]:
     while kept:
         # Conditional on what was dropped; of a table the places of its points are left as they are.
         spread = np.full(len(vector), np.nan)
-        spread[kept] = np.diag(mixing[np.ix_(kept, kept)] @ _inverse(information[np.ix_(kept, kept)]) @ mixing[np.ix_(kept, kept)].T)
+        spread[kept] = np.diag(
+            mixing[np.ix_(kept, kept)] @ _inverse(information[np.ix_(kept, kept)]) @ mixing[np.ix_(kept, kept)].T
+        )
         share = np.where(table | np.isnan(spread), -1.0, _shares(model, vector, np.nan_to_num(spread)))
         worst = int(np.argmax(share))
         if share[worst] < 1.0:
@@ -209,10 +211,23 @@ def _cost(problem: Problem, vector: Array, robust: float) -> float:
 
 
 def draws(model: Model, vector: Array, covariance: Array, count: int, rng: np.random.Generator) -> Array:
-    """Return draws from the fit's normal distribution, kept within the bounds, shape (count, d)."""
-    if not count or not len(vector):
-        return np.tile(vector, (count, 1))
-    values, axes = np.linalg.eigh(0.5 * (covariance + covariance.T))
+    """Return the numbers of draws from the fit's normal distribution, in their own units, shape (count, d).
+
+    The numbers are drawn, not the rises between them: cut off at zero, rises would add up. Where a drawn open-circuit
+    voltage falls, the points that fall are brought to their mean (isotonic regression).
+    """
+    from scipy.optimize import isotonic_regression
+
+    if not len(vector):
+        return np.zeros((count, 0))
+    mixing = model.mixing()
+    values, axes = np.linalg.eigh(mixing @ (0.5 * (covariance + covariance.T)) @ mixing.T)
     normal = rng.standard_normal((count, len(vector)))
-    found = vector + (normal * np.sqrt(np.maximum(values, 0.0))) @ axes.T
-    return np.clip(found, *model.bounds())
+    found = mixing @ vector + (normal * np.sqrt(np.maximum(values, 0.0))) @ axes.T
+    rises = model.rises()
+    low, high = model.bounds()
+    alone = np.array([place not in rises for place in range(len(vector))])
+    found[:, alone] = np.clip(found[:, alone], low[alone], high[alone])
+    for row in found if len(rises) > 1 else ():
+        row[rises] = isotonic_regression(row[rises]).x
+    return model.plain(found)

@@ -122,7 +122,7 @@ def check(study: Any) -> None:
         raise UserError("own_battery.held_out.files: every file is held out; leave one for the fit")
     if chosen.initial_soc and len(chosen.initial_soc) != len(measured.files):
         raise UserError(
-            f"own_battery.initial_soc: {len(chosen.initial_soc)} values for {len(measured.files)} files; give one a file"
+            f"own_battery.initial_soc: {len(chosen.initial_soc)} values for {len(measured.files)} files; give one each"
         )
     from pipeline.experiments.own_battery.plausible import check_series
 

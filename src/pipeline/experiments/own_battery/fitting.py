@@ -1,4 +1,4 @@
-"""The fit of a model to measurements: residuals of a population at once, least squares with bounds and a robust loss."""
+"""The fit of a model to measurements: residuals of a population at once, least squares with bounds, a robust loss."""
 
 from __future__ import annotations
 
@@ -75,7 +75,9 @@ class Problem:
     ridge : whether each number is drawn to its start, by the width of its prior.
     """
 
-    def __init__(self, model: Model, parts: Sequence[Part], spread: Spread, leave: int = -1, ridge: bool = False) -> None:
+    def __init__(
+        self, model: Model, parts: Sequence[Part], spread: Spread, leave: int = -1, ridge: bool = False
+    ) -> None:
         self.model, self.parts, self.spread, self.ridge = model, parts, spread, ridge
         self._population = Population(model)
         self._start, self._priors = model.start(), model.widths()
@@ -83,7 +85,9 @@ class Problem:
         self._neighbours = model.neighbours()
         self.evaluations = 0
         self._volts = [part.seen & ((part.fold != leave) | (leave < 0)) for part in parts]
-        self._warm = [_some(seen & ~np.isnan(part.thinned.temperature_k)) for seen, part in zip(self._volts, parts, strict=True)]
+        self._warm = [
+            _some(seen & ~np.isnan(part.thinned.temperature_k)) for seen, part in zip(self._volts, parts, strict=True)
+        ]
 
     def replayed(self, vectors: Array) -> list[Replay]:
         """Return the replay of every record, for a population of vectors (n, d)."""
@@ -105,8 +109,8 @@ class Problem:
             rows.append((one.temperature_k[:, seen] - part.thinned.temperature_k[seen]) / self.spread.temperature_k)
         away = vectors - self._start
         if len(self._neighbours.first):
-            one, other, width = self._neighbours
-            rows.append(2.0 * (away[:, other] - np.where(one < 0, 0.0, away[:, one])) / width)
+            first, second, width = self._neighbours
+            rows.append(2.0 * (away[:, second] - np.where(first < 0, 0.0, away[:, first])) / width)
         if self.ridge:
             rows.append(2.0 * away / self._priors)
         found = np.concatenate(rows, axis=1)
@@ -128,7 +132,7 @@ class Problem:
 
     def slopes(self, vector: Array) -> Array:
         """Return the derivatives of the residuals, shape (rows, d), by differences of one population."""
-        low, high = self.model.bounds()
+        _, high = self.model.bounds()
         steps = np.where(vector + self._steps > high, -self._steps, self._steps)
         found = self.residuals(np.vstack([vector[None], vector + np.diag(steps)]))
         return np.asarray(((found[1:] - found[0]) / steps[:, None]).T)
@@ -208,6 +212,8 @@ def many_starts(
         away = np.where(volts, 0.1, 0.7) * model.widths() * rng.uniform(-1.0, 1.0, len(first))
         begin = found[0].vector + away
         if taus:
-            begin[taus] = np.sort(rng.uniform(low[taus] + 0.15 * (high - low)[taus], high[taus] - 0.1 * (high - low)[taus]))
+            begin[taus] = np.sort(
+                rng.uniform(low[taus] + 0.15 * (high - low)[taus], high[taus] - 0.1 * (high - low)[taus])
+            )
         found.append(solve(problem, np.clip(begin, low, high), robust, most))
     return sorted(found, key=lambda one: one.cost)

@@ -13,7 +13,7 @@ from pipeline.cell.records import Battery
 from pipeline.charge.records import ChargeSettings, EngineSettings, Mode
 from pipeline.charge.simulate import BENCH, Charge, Task, simulate_many
 from pipeline.errors import EngineError, UserError
-from pipeline.experiments.own_battery.unknowns import with_values
+from pipeline.experiments.own_battery.numbers import with_values
 from pipeline.kernel.artefacts import Inputs, Output
 
 QUANTITIES = (
@@ -100,13 +100,14 @@ def _outside(
     low, high = valid["soc"]
     if charge.initial_soc < low - 0.02 or high < 0.9:
         yield (
-            f"outside the measurement: charges run from a state of charge of {charge.initial_soc:.2f} upwards, and it covers "
-            f"{low:.2f} to {high:.2f}"
+            f"outside the measurement: charges run from a state of charge of {charge.initial_soc:.2f} upwards, and it "
+            f"covers {low:.2f} to {high:.2f}"
         )
     cold, warm = valid["temperature_c"]
     if not cold - 3.0 <= charge.ambient_c <= warm + 3.0:
         yield (
-            f"outside the measurement: charges run at {charge.ambient_c:g} degC, and it covers {cold:.1f} to {warm:.1f} degC"
+            f"outside the measurement: charges run at {charge.ambient_c:g} degC, and it covers {cold:.1f} to "
+            f"{warm:.1f} degC"
         )
     for name, sheet in modes.items():
         rate = sheet.get("max_current_c_rate")

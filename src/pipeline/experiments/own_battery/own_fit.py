@@ -1,10 +1,10 @@
-"""Measurement: rows in; the structure compared, the card fitted, how well it is known, and the hold-out looked at once."""
+"""Measurement: rows in; structures compared, the card fitted, how well it is known, the hold-out looked at once."""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Mapping, Sequence
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,52 +12,19 @@ from numpy.typing import NDArray
 from pipeline.cell.circuit import ZERO_CELSIUS_K
 from pipeline.cell.records import Battery
 from pipeline.experiments.own_battery import card
-from pipeline.experiments.own_battery.certainty import Certainty, certainty_of, draws, settle
-from pipeline.experiments.own_battery.fitting import Part, Problem, Result, Spread, many_starts
+from pipeline.experiments.own_battery.certainty import certainty_of, draws, settle
+from pipeline.experiments.own_battery.fitting import Part, Problem, Spread, many_starts
+from pipeline.experiments.own_battery.outcome import Fitted, Record
 from pipeline.experiments.own_battery.reading import Series
 from pipeline.experiments.own_battery.records import Fit
 from pipeline.experiments.own_battery.segments import Segment, Thinned, thinned, whole
-from pipeline.experiments.own_battery.structures import Tried, compare, folds, structures
+from pipeline.experiments.own_battery.structures import compare, folds, structures
 from pipeline.experiments.own_battery.tables import FITTED_NUMBERS
 from pipeline.experiments.own_battery.unknowns import SOC, Model
 from pipeline.kernel.artefacts import Inputs, Output
 from pipeline.quantity import Quantity
 
 Array = NDArray[np.float64]
-
-
-class Record(NamedTuple):
-    """A file as the fit takes it: its rows, thinned, which of them it may see, and what it starts from."""
-
-    series: Series
-    thinned: Thinned
-    held_out: NDArray[np.bool_]
-    segments: list[Segment]
-    soc: float
-    stated: bool
-    ambient_c: float
-
-
-class Fitted(NamedTuple):
-    """What came of a fit.
-
-    Arguments
-    ---------
-    tried, chosen : the structures that were compared.
-    model : the model of the chosen one, before any number kept its prior.
-    problem, result : of the last fit; `starts` : all of them, the best first.
-    kept : key paths of the numbers that keep their priors.
-    certainty : what is known of the fitted ones.
-    """
-
-    tried: list[Tried]
-    chosen: Tried
-    model: Model
-    problem: Problem
-    result: Result
-    starts: list[Result]
-    kept: list[str]
-    certainty: Certainty
 
 
 def run(settings: Mapping[str, Any], inputs: Inputs, output: Output) -> None:
@@ -84,7 +51,9 @@ def run(settings: Mapping[str, Any], inputs: Inputs, output: Output) -> None:
     valid = card.validity(best, records, socs)
     output.numbers(_numbers(found, errors, valid))
     name = records[0].series.file
-    text = card.written(best, found, battery, settings["sources"], fit.title, [one.series.file for one in records], valid)
+    text = card.written(
+        best, found, battery, settings["sources"], fit.title, [one.series.file for one in records], valid
+    )
     (output.folder / "battery.yaml").write_text(text, encoding="utf-8")
     output.found({"card": best.model_dump(mode="json"), "soc": socs, "valid": valid, "file": name})
 
@@ -214,7 +183,7 @@ def _structures(found: Fitted) -> list[tuple[Any, ...]]:
 
 
 def _samples(model: Model, drawn: Array) -> Iterator[tuple[int, str, float]]:
-    for place, values in enumerate(model.values(drawn) if len(drawn) else ()):
+    for place, values in enumerate(drawn):
         for path, value in zip(model.paths, values.tolist(), strict=True):
             if not path.startswith(SOC):
                 yield place, path, value

@@ -20,8 +20,8 @@ from pipeline.experiments.own_battery.segments import (
     charge_ah,
     held_out,
     resting_points,
-    sensors_apart_k,
     segments,
+    sensors_apart_k,
 )
 from pipeline.kernel.artefacts import Inputs, Output
 
@@ -47,8 +47,8 @@ def run(settings: Mapping[str, Any], inputs: Inputs, output: Output) -> None:
         if apart:
             one = one._replace(ambient_c=one.ambient_c + apart)
             notes.append(
-                f"{Path(one.file).name}: after long rests the battery's sensor reads {apart:.2f} K more than that of the "
-                "surroundings: added to these"
+                f"{Path(one.file).name}: after long rests the battery's sensor reads {apart:.2f} K more than that of "
+                "the surroundings: added to these"
             )
         ambient, how = ambient_of(one, measured)
         moved = np.diff(charge_ah(one))
@@ -64,8 +64,8 @@ def run(settings: Mapping[str, Any], inputs: Inputs, output: Output) -> None:
         notes += [f"{Path(one.file).name}: {line}" for line in (*one.said, how)]
         if not stated:
             notes.append(
-                f"{Path(one.file).name}: begins at a state of charge of {soc:.3f}, where the start card rests at its first "
-                "voltage; own_battery.initial_soc says it"
+                f"{Path(one.file).name}: begins at a state of charge of {soc:.3f}, where the start card rests at its "
+                "first voltage; own_battery.initial_soc says it"
             )
         count = len(one.time_s)
         rows["file"] += [place] * count
@@ -88,14 +88,17 @@ def _foresight(
     """Yield what the files can tell of the battery: quantity, how far, why, and which test would tell it."""
     flat = [one for group in found for one in group]
     spacing = min(float(np.median(np.diff(one.time_s))) for one in series)
-    socs = np.array([value for one in flat for value in (one.soc, one.soc + one.charge_ah / battery.capacity_in_use_ah)])
+    socs = np.array(
+        [value for one in flat for value in (one.soc, one.soc + one.charge_ah / battery.capacity_in_use_ah)]
+    )
     low, high = float(socs.min()), float(socs.max())
-    rests = [one for one, group in zip(series, found, strict=True) for one in resting_points(one, group)]
+    rests = [rest for one, group in zip(series, found, strict=True) for rest in resting_points(one, group)]
     levels = _levels([soc for soc, _, _ in rests])
     span = f"the charge moves between {100 * low:.0f} and {100 * high:.0f} %"
     yield (
         "open-circuit voltage", YES if len(levels) >= 5 else PARTLY if rests else NO,
-        f"{len(rests)} long rests at {len(levels)} levels; {span}; on one branch of the hysteresis, which is not modelled",
+        f"{len(rests)} long rests at {len(levels)} levels; {span}; on one branch of the hysteresis, which is no part "
+        "of the model",
         "a discharge in steps of 10 % with an hour of rest after each, and the same while charging",
     )  # fmt: skip
     yield (
@@ -106,8 +109,8 @@ def _foresight(
     at = _levels([one.soc for one in pulses])
     yield (
         "series resistance", YES if pulses and spacing <= 0.1 else PARTLY if pulses else NO,
-        f"{len(pulses)} pulses at {len(at)} levels, rows {spacing:.3g} s apart: it cannot be told from pairs faster than "
-        "that",
+        f"{len(pulses)} pulses at {len(at)} levels, rows {spacing:.3g} s apart: it cannot be told from pairs "
+        "faster than that",
         "a 10 s pulse at 50 % with ten rows a second",
     )  # fmt: skip
     longest = max((one.length_s for one in flat if one.kind == REST), default=0.0)
@@ -133,7 +136,8 @@ def _foresight(
         yield (
             "acceptance and side reaction", YES if held and high > 0.97 else NO,
             f"{len(held)} long stretches at a held voltage; {span}",
-            "a charge at constant voltage that goes on for hours after the current has fallen to a fiftieth of the capacity",
+            "a charge at constant voltage that goes on for hours after the current has fallen to a fiftieth of the "
+            "capacity",
         )  # fmt: skip
 
 

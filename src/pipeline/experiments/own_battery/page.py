@@ -32,12 +32,14 @@ def sections(data: ReportData, figures: Sequence[PageFigure]) -> list[PageSectio
 
 def _summary(data: ReportData) -> str:
     found = data.numbers("own_fit")
-    said = [f"The fitted battery meets the voltage to {1e3 * found['fit_voltage_rmse_v']:.2f} mV (rmse) where it was fitted"]
+    said = [
+        f"The fitted battery meets the voltage to {1e3 * found['fit_voltage_rmse_v']:.2f} mV (rmse) where it was fitted"
+    ]
     if "held_out_voltage_rmse_v" in found:
         said.append(f" and to {1e3 * found['held_out_voltage_rmse_v']:.2f} mV in what was held out, looked at once")
     said.append(
-        f". {found['unknowns']:.0f} numbers were fitted to {found['rows']:.0f} rows, worth {found['effective_rows']:.0f} "
-        "independent ones, since errors go together from row to row."
+        f". {found['unknowns']:.0f} numbers were fitted to {found['rows']:.0f} rows, worth "
+        f"{found['effective_rows']:.0f} independent ones, since errors go together from row to row."
     )
     return "".join(said)
 
@@ -45,10 +47,12 @@ def _summary(data: ReportData) -> str:
 def _card_text(data: ReportData) -> str:
     found = data.numbers("own_fit")
     return (
-        "battery.yaml beside this run's results is the card; in conf/battery it is a battery like any other. It holds for a "
-        f"state of charge from {100 * found['lowest_soc']:.0f} to {100 * found['highest_soc']:.0f} %, currents up to "
-        f"{found['highest_c_rate']:.2g}C and {found['lowest_temperature_c']:.0f} to {found['highest_temperature_c']:.0f} "
-        "degC. Hysteresis of the open-circuit voltage is not modelled: on the other branch the voltage is another."
+        "battery.yaml beside this run's results is the card; in conf/battery it is a battery like any other. It holds "
+        f"for a state of charge from {100 * found['lowest_soc']:.0f} to {100 * found['highest_soc']:.0f} %, currents "
+        "up to "
+        f"{found['highest_c_rate']:.2g}C and {found['lowest_temperature_c']:.0f} to "
+        f"{found['highest_temperature_c']:.0f} degC. Hysteresis of the open-circuit voltage is not modelled: "
+        "on the other branch the voltage is another."
     )
 
 
@@ -66,7 +70,9 @@ def _unknown_text(data: ReportData) -> str:
 
 def _charge_text(data: ReportData) -> str:
     notes = [str(note) for note in data.table("own_charges", "notes")["note"]]
-    text = "Intervals are those of the fit, carried through by draws from its distribution; they hold only if the model does."
+    text = (
+        "Intervals are those of the fit, carried through by draws from its distribution; they hold if the model does."
+    )
     return " ".join([text, *(f"{note[:1].upper()}{note[1:]}." for note in notes)])
 
 
@@ -103,8 +109,8 @@ def _structures(data: ReportData) -> ReportTable:
     return ReportTable(
         "structures",
         "Structures compared",
-        "By cross-validation inside the fitted part: the typical error in a stretch that was left out; the simplest within "
-        "the noise of the best is chosen.",
+        "By cross-validation inside the fitted part: the typical error in a stretch that was left out; the simplest "
+        "within the noise of the best is chosen.",
         ("structure", "numbers", "stretches", "left out / mV", "seen / mV", ""),
         rows,
     )

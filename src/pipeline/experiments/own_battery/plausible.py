@@ -38,7 +38,9 @@ def check_series(measured: Measured, battery: Battery) -> None:
             )
         largest = float(np.max(np.abs(series.current_a)))
         if largest == 0.0:
-            raise UserError(f"{series.file}: no current flows in any row, so nothing but the voltage at rest can be told")
+            raise UserError(
+                f"{series.file}: no current flows in any row, so nothing but the voltage at rest can be told"
+            )
         if largest > _MOST_C_RATE * battery.capacity_in_use_ah:
             raise UserError(
                 f"{series.file}: a current of {largest:.4g} A into {battery.capacity_in_use_ah:.4g} Ah; is it in mA? "
@@ -60,5 +62,8 @@ def ambient_of(series: Series, measured: Measured) -> tuple[float, str]:
     known = series.temperature_c[~np.isnan(series.temperature_c)]
     if len(known):
         first = float(known[0])
-        return first, f"surroundings: taken at {first:.1f} degC, the battery's first temperature; measured.ambient_c says it"
+        return (
+            first,
+            f"surroundings: taken at {first:.1f} degC, the battery's first temperature; measured.ambient_c says it",
+        )
     return _ROOM_C, f"surroundings: no temperature is measured, taken at {_ROOM_C:g} degC; measured.ambient_c says it"

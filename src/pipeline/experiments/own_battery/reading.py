@@ -5,15 +5,16 @@ from __future__ import annotations
 import re
 from functools import lru_cache
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from pipeline.errors import UserError
+from pipeline.experiments.own_battery.ordering import Ordered
 from pipeline.experiments.own_battery.records import Measured
 from pipeline.files import headings
-from pipeline.files.cells import Table, Torn, number, plain
+from pipeline.files.cells import Table, number, plain
 from pipeline.files.clock import clock_of
 from pipeline.files.content import digest, load
 from pipeline.files.quantities import CURRENT, TEMPERATURE, VOLTAGE, Quantity
@@ -113,7 +114,8 @@ def measured_series(measured: Measured, key: str = "measured.") -> list[Series]:
     """
     if not measured.files:
         raise UserError(
-            f"{key}file: no file is named; give a CSV, Parquet or Excel file of time, voltage and current, {key}file=FILE"
+            f"{key}file: no file is named; give a CSV, Parquet or Excel file of time, voltage and current, "
+            f"{key}file=FILE"
         )
     return [_series(measured.model_dump_json(), file, key, digest(Path(file))) for file in measured.files]
 
@@ -145,7 +147,7 @@ def _series(record: str, file: str, key: str, content: str) -> Series:
     modes = _column_of(table, own, "mode", _MODES)
     steps = _column_of(table, own, "step", _STEPS)
     numbers = _step_numbers(table, steps)
-    order = _Ordered(path, table.place, places, time_s, columns, numbers)
+    order = Ordered(path, table.place, places, time_s, columns, numbers)
     if dated:
         order.sort()
     order.join_sensors(said)
@@ -162,7 +164,9 @@ def _series(record: str, file: str, key: str, content: str) -> Series:
     jumps = measured.between == "step" or (measured.between == "auto" and spacing <= _NEAR_S)
     if measured.between == "auto":
         how = "a row's current has flowed since the row before" if jumps else "current is straight from row to row"
-        said.append(f"rows are {spacing:.3g} s apart, so {how}; {key}between={'line' if jumps else 'step'} changes that")
+        said.append(
+            f"rows are {spacing:.3g} s apart, so {how}; {key}between={'line' if jumps else 'step'} changes that"
+        )
     return Series(
         file=file,
         row=order.row,
@@ -194,9 +198,8 @@ def _times(table: Table, own: OwnFile, measured: Measured, key: str) -> tuple[Ar
     likely = next((name for word in _TIMES for name in table.columns if plain(name) == word), None)
     exact = next((name for name in ("time_s", "time") if name in table.columns), None)
     if named is None and exact is None and likely is None and measured.sample_interval_s is not None:
-        return measured.sample_interval_s * np.arange(len(table.places)), False, [
-            f"no column of time: rows {measured.sample_interval_s:g} s apart, as {key}sample_interval_s says"
-        ]
+        told = f"no column of time: rows {measured.sample_interval_s:g} s apart, as {key}sample_interval_s says"
+        return measured.sample_interval_s * np.arange(len(table.places), dtype=np.float64), False, [told]
     if named is None and exact is None and likely is None:
         above = " ".join(table.preamble.lines)
         rate = re.search(r"(\d+(?:\.\d+)?)\s*Hz", above)
@@ -208,7 +211,10 @@ def _times(table: Table, own: OwnFile, measured: Measured, key: str) -> tuple[Ar
             f"{', '.join(table.columns)}"
         )
     if named is None and exact is None:
-        own = own.model_copy(update={"columns": {**own.columns, "time": str(likely)}})
+        seconds = {"time_s": "s"} if plain(str(likely)).endswith(("second", "seconds")) else {}
+        own = own.model_copy(
+            update={"columns": {**own.columns, "time": str(likely)}, "units": {**seconds, **own.units}}
+        )
     clock = clock_of(table, own, None, key)
     unread = np.flatnonzero(np.isnan(clock.wall_s))
     if len(unread):
@@ -232,122 +238,8 @@ def _step_numbers(table: Table, heading: str | None) -> NDArray[np.int64]:
     return np.array([-1 if cell is None else int(cell) for cell in cells], dtype=np.int64)
 
 
-class _Ordered:
-    """Rows on their way into order; each method does one thing and says it."""
-
-    def __init__(
-        self,
-        path: Path,
-        place: str,
-        row: NDArray[np.int64],
-        time_s: Array,
-        columns: dict[str, Array],
-        step: NDArray[np.int64],
-    ) -> None:
-        self.path, self.place = path, place
-        self.row, self.time_s, self.columns, self.step = row, time_s, columns, step
-        self.source = np.arange(len(row))
-        self.said: list[str] = []
-
-    def optional(self, name: str) -> Array:
-        return self.columns.get(name, np.full(len(self.time_s), np.nan))
-
-    def keep(self, kept: NDArray[Any]) -> None:
-        self.row, self.time_s, self.step = self.row[kept], self.time_s[kept], self.step[kept]
-        self.source = self.source[kept]
-        self.columns = {name: values[kept] for name, values in self.columns.items()}
-
-    def sort(self) -> None:
-        """Put rows with dates in the order of time."""
-        wrong = int((np.diff(self.time_s) < 0.0).sum())
-        if wrong:
-            self.keep(np.argsort(self.time_s, kind="stable"))
-            self.said.append(f"{wrong} rows stand before an earlier one: put in the order of their dates")
-
-    def continue_resets(self) -> None:
-        """Let a clock that begins anew go on where it was; refuse rows that are out of order."""
-        back = np.flatnonzero(np.diff(self.time_s) < 0.0) + 1
-        if not len(back):
-            return
-        steps = np.diff(self.time_s)
-        usual = float(np.median(steps[steps > 0.0])) if (steps > 0.0).any() else 1.0
-        for at in back:
-            before, after = self.time_s[at - 1], self.time_s[at]
-            if after - self.time_s[0] > 0.5 * (before - self.time_s[0]):
-                raise UserError(
-                    f"{self.path}: {self.place} {self.row[at]}: the time goes back from {before:g} to {after:g} s; "
-                    "put the rows in order, or name the column of the time since the start, "
-                    "'measured.columns={time: \"HEADING\"}'"
-                )
-        offset = np.zeros(len(self.time_s))
-        for at in back:
-            offset[at:] += self.time_s[at - 1] - self.time_s[at] + usual
-        self.time_s = self.time_s + offset
-        told = ", ".join(str(self.row[at]) for at in back[:5]) + (", ..." if len(back) > 5 else "")
-        self.said.append(f"the time begins anew {len(back)} times, in {self.place} {told}: it goes on from before")
-
-    def join_sensors(self, said: list[str]) -> None:
-        """Take the rows with a voltage; bring there what other sensors measured at other times."""
-        there = ~np.isnan(self.columns["voltage_v"])
-        for name, values in list(self.columns.items()):
-            known = ~np.isnan(values)
-            if not known.any():
-                if name in ("voltage_v", "current_a"):
-                    raise UserError(f"{self.path}: no value of {name} in any row")
-                del self.columns[name]
-                continue
-            missing = there & ~known
-            if missing.any():
-                order = np.argsort(self.time_s[known], kind="stable")
-                at, value = self.time_s[known][order], values[known][order]
-                values = values.copy()
-                values[missing] = np.interp(self.time_s[missing], at, value)
-                self.columns[name] = values
-                said.append(f"{name} comes in other rows than the voltage: interpolated in {int(missing.sum())} rows")
-        if not there.all():
-            self.keep(there)
-
-    def drop_repeated(self) -> None:
-        """Leave out rows that say again what the row before says."""
-        same = np.diff(self.time_s) == 0.0
-        for name in ("voltage_v", "current_a"):
-            same &= np.diff(self.columns[name]) == 0.0
-        repeated = np.append(False, same)
-        if repeated.any():
-            self.said.append(f"{int(repeated.sum())} rows repeat the row before: left out")
-            self.keep(~repeated)
-
-    def drop_glitches(self) -> None:
-        """Leave out single voltages that no battery has: near zero, or far from both sides without a current to it."""
-        volts, amperes = self.columns["voltage_v"], self.columns["current_a"]
-        if len(volts) < 5:
-            return
-        usual = float(np.median(volts))
-        low = volts < 0.2 * usual
-        before, after = np.roll(volts, 1), np.roll(volts, -1)
-        middle = 0.5 * (before + after)
-        calm = np.abs(np.roll(amperes, 1) - np.roll(amperes, -1)) < 0.05 * (np.ptp(amperes) + 1e-12)
-        calm &= np.abs(amperes - np.roll(amperes, 1)) < 0.05 * (np.ptp(amperes) + 1e-12)
-        spike = calm & (np.abs(volts - middle) > np.maximum(0.03 * usual, 5.0 * np.abs(before - after)))
-        spike[[0, -1]] = False
-        wrong = low | spike
-        if 0 < wrong.sum() <= 0.01 * len(volts) + 1:
-            rows = np.flatnonzero(wrong)
-            told = ", ".join(f"{self.place} {self.row[at]} ({volts[at]:g} V)" for at in rows[:8])
-            more = f" and {len(rows) - 8} more" if len(rows) > 8 else ""
-            self.said.append(f"no voltage of a battery, left out: {told}{more}")
-            self.keep(~wrong)
-        elif wrong.any():
-            at = int(np.flatnonzero(wrong)[0])
-            raise UserError(
-                f"{self.path}: {int(wrong.sum())} of {len(volts)} voltages are near zero or jump without a current, the "
-                f"first in {self.place} {self.row[at]}, {volts[at]:g} V; is it the column of the battery's voltage? "
-                "'measured.columns={voltage_v: \"HEADING\"}'"
-            )
-
-
 def _signed(
-    order: _Ordered, measured: Measured, modes: str | None, table: Table, key: str
+    order: Ordered, measured: Measured, modes: str | None, table: Table, key: str
 ) -> tuple[Array, tuple[str, ...]]:
     """Return the current positive when charging, and how its sign was found."""
     current = order.columns["current_a"]
@@ -375,7 +267,7 @@ def _signed(
 
 
 def _by_mode(
-    order: _Ordered, current: Array, heading: str | None, table: Table, key: str, asked: bool
+    order: Ordered, current: Array, heading: str | None, table: Table, key: str, asked: bool
 ) -> tuple[Array, tuple[str, ...]] | None:
     """Return the current with the sign that a column of words gives it; none where the current has one of its own."""
     if heading is None:
@@ -383,7 +275,7 @@ def _by_mode(
             f"{table.path}: {key}current is by_mode, and no column says charge, discharge or rest; "
             f"{headings.spelled(key, 'mode', 'HEADING')}; its columns are {', '.join(table.columns)}"
         )
-    words = [str(table.columns[heading][at]).strip().lower() for at in order.source]
+    words = [str(table.columns[heading][at]).strip().lower() for at in order.source.tolist()]
     sign = np.array([_sign_of(word) for word in words])
     moved = np.abs(current) > 1e-3 * (np.max(np.abs(current)) + 1e-30)
     unknown = np.isnan(sign) & moved
@@ -392,14 +284,16 @@ def _by_mode(
             return None
         at = int(np.flatnonzero(unknown)[0])
         raise UserError(
-            f"{table.path}: {table.place} {order.row[at]}, column {heading}: {words[at]!r}; allowed is a word that begins "
-            "as charge, discharge or rest"
+            f"{table.path}: {table.place} {order.row[at]}, column {heading}: {words[at]!r}; allowed is a word that "
+            "begins as charge, discharge or rest"
         )
     signed = (current < 0.0).any() and (current[moved] > 0.0).any()
     if signed and not asked:
         return None
     made = np.where(np.isnan(sign), 0.0, sign) * np.abs(current)
-    return made, (f"current: by_mode, its sign is that of column {heading!r}" + ("" if asked else ", it has none itself"),)
+    return made, (
+        f"current: by_mode, its sign is that of column {heading!r}" + ("" if asked else ", it has none itself"),
+    )
 
 
 def _sign_of(word: str) -> float:
@@ -426,7 +320,7 @@ def _answer(time_s: Array, volts: Array, current: Array) -> tuple[float, int]:
     return (float(weight[weight > 0].sum()) / total if total else 0.5), len(large)
 
 
-def _gaps(order: _Ordered, current: Array) -> list[str]:
+def _gaps(order: Ordered, current: Array) -> list[str]:
     lengths = np.diff(order.time_s)
     usual = float(np.median(lengths))
     flowing = np.maximum(np.abs(current[1:]), np.abs(current[:-1])) > 0.02 * np.max(np.abs(current))
@@ -436,6 +330,3 @@ def _gaps(order: _Ordered, current: Array) -> list[str]:
         "flowed: it is taken as going on as in the next row"
         for at in gaps[:5]
     ] + ([f"{len(gaps) - 5} more such gaps"] if len(gaps) > 5 else [])
-
-
-__all__ = ["Series", "Torn", "measured_series"]

@@ -23,8 +23,8 @@ class Measured(OwnFile):
     more: tuple[str, ...] = Field(default=(), description="further files of the same battery, written in the same way")
     current: Sign = Field(
         default="auto",
-        description="what a positive current means; by_mode: a column says charge, discharge or rest; auto: judged from "
-        "how the voltage answers to the current",
+        description="what a positive current means; by_mode: a column says charge, discharge or rest; auto: judged "
+        "from how the voltage answers to the current",
     )
     between: Between = Field(
         default="auto",
@@ -90,9 +90,14 @@ class Fit(Record):
         default="auto", description="auto: a card that has one is also tried without"
     )
     open_circuit_points: int = Field(
-        default=0, ge=0, le=101, description="points of a tabulated open-circuit voltage; 0: by the data [1]"
+        default=0,
+        ge=0,
+        le=101,
+        description="points of a tabulated open-circuit voltage; 0: as the start card has it [1]",
     )
-    resistance_points: int = Field(default=0, ge=0, le=21, description="points of tabulated resistances; 0: by the data [1]")
+    resistance_points: int = Field(
+        default=0, ge=0, le=21, description="points of tabulated resistances; 0: by the data [1]"
+    )
     temperature_dependence: Literal["auto", "with", "without"] = Field(
         default="auto", description="activation energies of the resistances; auto: where the file spans 8 K"
     )

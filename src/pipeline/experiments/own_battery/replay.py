@@ -35,8 +35,8 @@ Array = NDArray[np.float64]
 LEAST_DEPTH = 1e-9
 """Where 1 - SOC is held for the curves when a current asks for more than full."""
 _ITERATIONS = 60
-# Rows of the scratch, a column for each relaxation: value, forcing, resistance at both ends of an interval; what is left
-# of a value, and what a forcing straight in time adds by its start and by its end; the length these hold for.
+# Rows of the scratch, a column for each relaxation: value, forcing, resistance at both ends of an interval; what is
+# left of a value, and what a forcing straight in time adds by its start and by its end; the length these hold for.
 _VALUE, _FORCING, _OHM, _END_OHM, _LEFT, _BY_START, _BY_END, _LENGTH, _ROWS = range(9)
 
 
@@ -84,7 +84,8 @@ def replays(cells: NDArray[Any], soc: Array, start_k: Array, drive: Drive) -> Re
 
     def run(part: int) -> None:
         here = slice(edges[part], edges[part + 1])
-        _population(cells[here], soc[here], start_k[here], *drive, *(one[here] for one in found), _scratch())
+        made = Replay(*(one[here] for one in found))
+        _population(cells[here], soc[here], start_k[here], *drive, *made, _scratch())
 
     if parts < 2:
         run(0)
@@ -152,10 +153,7 @@ def _follow(
         start_x, start_kelvin, start_main, start_side = x, kelvin, main, side
         start_w = _point_heat(cell, x, kelvin, zone, main, side, node, eta)
         if length > 0.0:
-            if math.isnan(given_k[row]):
-                kelvin = start_kelvin + length * rising
-            else:
-                kelvin = given_k[row]
+            kelvin = start_kelvin + length * rising if math.isnan(given_k[row]) else given_k[row]
             x, zone, main, side, node, eta = _advance(cell, scratch, x, kelvin, zone, main, last_a, length)
             end_w = _point_heat(cell, x, kelvin, zone, main, side, node, eta)
             heat_w = 0.5 * (start_w + end_w) + _pair_heat(

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Iterator, Sequence
 from typing import NamedTuple
 
@@ -14,7 +15,13 @@ from pipeline.experiments.own_battery.records import HeldOut
 from pipeline.experiments.own_battery.replay import Drive
 
 Array = NDArray[np.float64]
-REST, CONSTANT_CURRENT, CONSTANT_VOLTAGE, PULSE, OTHER = "rest", "constant current", "constant voltage", "pulse", "other"
+REST, CONSTANT_CURRENT, CONSTANT_VOLTAGE, PULSE, OTHER = (
+    "rest",
+    "constant current",
+    "constant voltage",
+    "pulse",
+    "other",
+)
 LONGEST_PULSE_S = 60.0
 _STILL, _STEADY, _JUMP = 0.005, 0.03, 0.05
 _HELD_SHARE = 2e-3
@@ -65,7 +72,7 @@ def segments(series: Series, soc: float, capacity_ah: float) -> list[Segment]:
     current, counted = series.current_a, charge_ah(series)
     edges = [0, *_edges(series), len(current)]
     found = []
-    for first, end in zip(edges, edges[1:], strict=False):
+    for first, end in itertools.pairwise(edges):
         for begin, stop in _by_kind(series, first, end):
             before = max(begin - 1, 0)
             put_in = counted[stop - 1] - counted[before]
@@ -190,7 +197,9 @@ def thinned(series: Series, ambient_c: float, rows: int = 2500) -> Thinned:
             continue
         since, gone = time_s[row] - time_s[edge], time_s[row] - time_s[last]
         moved = abs(counted[row] - counted[last]) >= most_ah or abs(current[row] - current[last]) > 2 * _JUMP * span
-        if gone >= min(0.12 * since, 4.0 * longest_s) and (since <= 20.0 or gone >= longest_s or moved or gone > 0.1 * since):
+        if gone >= min(0.12 * since, 4.0 * longest_s) and (
+            since <= 20.0 or gone >= longest_s or moved or gone > 0.1 * since
+        ):
             kept.append(row)
             last = row
     if kept[-1] != len(current) - 1:
@@ -220,7 +229,7 @@ def _thinned(series: Series, kept: NDArray[np.int64], ambient_c: float) -> Thinn
 
 
 def sensors_apart_k(series: Series, found: Sequence[Segment]) -> float:
-    """Return by how much the battery's sensor reads more than the room's at the end of long rests; 0 where unknown [K]."""
+    """Return by how much the battery's sensor reads above the room's at the end of long rests; 0 where unknown [K]."""
     apart = series.temperature_c - series.ambient_c
     ends = [float(apart[one.last]) for one in found if one.kind == REST and one.length_s >= _SETTLED_S]
     ends = [one for one in ends if not np.isnan(one)]
@@ -228,7 +237,7 @@ def sensors_apart_k(series: Series, found: Sequence[Segment]) -> float:
 
 
 def resting_points(series: Series, found: Sequence[Segment]) -> list[tuple[float, float, float]]:
-    """Return what rests tell of the open-circuit voltage: counted state of charge, voltage [V], length of the rest [s]."""
+    """Return what rests tell of the open-circuit voltage: counted state of charge, voltage [V], their length [s]."""
     return [
         (one.soc, one.end_v, one.length_s)
         for one in found

@@ -11,9 +11,10 @@ from numpy.typing import NDArray
 
 from pipeline.cell.records import Battery, Curve, Tabulated
 from pipeline.experiments.own_battery.fitting import Part, Problem, Spread, rmse_v, solve, spread_of
+from pipeline.experiments.own_battery.numbers import baked
 from pipeline.experiments.own_battery.records import Fit
 from pipeline.experiments.own_battery.segments import CONSTANT_CURRENT, CONSTANT_VOLTAGE, Segment
-from pipeline.experiments.own_battery.unknowns import Model, baked, unknowns_of
+from pipeline.experiments.own_battery.unknowns import Model, unknowns_of
 
 Array = NDArray[np.float64]
 NAMES = ("fast", "slow", "slower")
@@ -100,7 +101,7 @@ def _pairs(battery: Battery, count: int, rows_s: tuple[float, float]) -> dict[st
     taus = np.geomspace(4.0 * rows_s[0], max(0.3 * rows_s[1], 40.0 * rows_s[0]), count)
     shape = next((one["resistance_ohm"] for one in own.values()), _times(battery.series_resistance_ohm, 0.5))
     free = [name for name in NAMES if name not in own]
-    made = {} if own else {}
+    made: dict[str, Any] = {}
     used = sorted(own.items(), key=lambda item: item[1]["time_constant_s"])
     # A pair of the card takes the place in the row of time constants that it is nearest to.
     places: dict[int, tuple[str, dict[str, Any]]] = {}

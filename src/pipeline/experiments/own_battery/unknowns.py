@@ -1,4 +1,4 @@
-"""What of a card is fitted: its numbers as a vector with bounds and priors, and the cells that many vectors stand for."""
+"""What of a card is fitted: its numbers as a vector with bounds and priors, the cells that many vectors stand for."""
 
 from __future__ import annotations
 
@@ -20,21 +20,12 @@ from pipeline.cell.circuit import (
     THERMAL_V_PER_K,
     compile_cell,
 )
-from pipeline.cell.records import Arrhenius, Battery, Curve, Inverse, Logarithm, Polynomial, Root, Shepherd, Tabulated
+from pipeline.cell.records import Arrhenius, Battery, Tabulated
+from pipeline.experiments.own_battery.numbers import at, baked, of_curve, place_of, with_values
 
 Array = NDArray[np.float64]
 SOC = "initial_soc"
 _OPEN = "open_circuit_voltage_v"
-_FIELDS = {
-    Polynomial: ("polynomial",),
-    Logarithm: ("constant", "factor", "soc_offset", "depth_offset"),
-    Root: ("factor", "soc_offset"),
-    Shepherd: ("full_v", "polarisation_v"),
-    Inverse: ("factor", "depth_offset"),
-}
-"""Numbers of each form of a curve in the order in which the kernels take them."""
-_SHAPE = ("soc_offset", "depth_offset")
-"""Numbers of a curve that keep their value."""
 
 
 class Unknown(NamedTuple):
@@ -58,7 +49,7 @@ class Unknown(NamedTuple):
 
 
 _LEVEL_V, _LEVEL = 0.03, math.log(1.5)
-"""How far two points of a table that are 10 % of charge apart may move from each other: voltage [V], resistance (log)."""
+"""How far two points of a table 10 % of charge apart may move from each other: voltage [V], resistance (log)."""
 
 
 _LEAST_RISE_V, _MOST_RISE_V = 1e-5, 1.5
@@ -103,18 +94,19 @@ class Model(NamedTuple):
         which have a bound at zero: what a cell rests at does not fall while it is charged. Everything else is itself.
         """
         found = np.eye(len(self.unknowns))
-        rises = self._rises()
+        rises = self.rises()
         for place, before in enumerate(rises[:-1]):
             found[rises[place + 1 :], before] = 1.0
         return found
 
-    def _rises(self) -> list[int]:
+    def rises(self) -> list[int]:
+        """Return the places of the points of a table of the open-circuit voltage, in order; none of another curve."""
         return [place for place, path in enumerate(self.paths) if path.startswith(f"{_OPEN}.value.")]
 
     def start(self) -> Array:
         """Return the vector at the start, shape (d,)."""
         found = np.array([math.log(one.start) if one.log else one.start for one in self.unknowns])
-        rises = self._rises()
+        rises = self.rises()
         found[rises[1:]] = np.maximum(np.diff(found[rises]), _LEAST_RISE_V)
         return found
 
@@ -122,7 +114,7 @@ class Model(NamedTuple):
         """Return lowest and highest vectors, shape (d,) each."""
         pairs = [(math.log(one.low), math.log(one.high)) if one.log else (one.low, one.high) for one in self.unknowns]
         found = np.array(pairs).reshape(-1, 2)
-        found[self._rises()[1:]] = 0.0, _MOST_RISE_V
+        found[self.rises()[1:]] = 0.0, _MOST_RISE_V
         return found[:, 0].copy(), found[:, 1].copy()
 
     def widths(self) -> Array:
@@ -133,7 +125,7 @@ class Model(NamedTuple):
         return found
 
     def priors(self) -> Array:
-        """Return half-widths of the plausible intervals of the numbers, their logarithms where these count, shape (d,)."""
+        """Return half-widths of the plausible intervals of the numbers, of logarithms where these count, shape (d,)."""
         return np.array([one.prior for one in self.unknowns])
 
     def values(self, vectors: Array) -> Array:
@@ -228,7 +220,7 @@ class Population:
         names = [name.removeprefix(key).lstrip(".") for name in self._places if self._curve_of(name) == key]
         for name in names:
             column = values[:, self._places[f"{key}.{name}" if name else key]]
-            cells["parameters"][:, row, _place_of(curve, name)] = column
+            cells["parameters"][:, row, place_of(curve, name)] = column
 
     def _write_table(self, cells: NDArray[Any], row: int, key: str, curve: Tabulated, values: Array) -> None:
         from scipy.interpolate import PchipInterpolator
@@ -279,46 +271,6 @@ _NAMES = {
     "thermal.heat_capacity_j_k": "heat_capacity_j_k",
     "thermal.resistance_k_w": "thermal_resistance_k_w",
 }
-
-
-def _place_of(curve: Curve, name: str) -> int:
-    if isinstance(curve, float | int):
-        return 0
-    if isinstance(curve, Polynomial):
-        return int(name.rsplit(".", 1)[1])
-    return _FIELDS[type(curve)].index(name)
-
-
-def at(battery: Battery, key: str) -> Any:
-    """Return what stands at a key path of a battery."""
-    here: Any = battery
-    for word in key.split("."):
-        here = here[word] if isinstance(here, dict) else here[int(word)] if isinstance(here, list) else getattr(here, word)
-    return here
-
-
-def with_values(battery: Battery, values: Mapping[str, float]) -> Battery:
-    """Return a battery with other numbers at some key paths."""
-    tree = battery.model_dump(mode="json")
-    for path, value in values.items():
-        here: Any = tree
-        *words, last = path.split(".")
-        for word in words:
-            here = here[int(word)] if isinstance(here, list) else here[word]
-        here[int(last) if isinstance(here, list) else last] = float(value)
-    return Battery.model_validate(tree)
-
-
-def of_curve(key: str, curve: Curve) -> Iterator[tuple[str, float]]:
-    """Yield key path and value of every number of a curve that may be fitted."""
-    if isinstance(curve, float | int):
-        yield key, float(curve)
-    elif isinstance(curve, Tabulated):
-        yield from ((f"{key}.value.{place}", value) for place, value in enumerate(curve.value))
-    elif isinstance(curve, Polynomial):
-        yield from ((f"{key}.polynomial.{place}", value) for place, value in enumerate(curve.polynomial))
-    else:
-        yield from ((f"{key}.{name}", getattr(curve, name)) for name in _FIELDS[type(curve)] if name not in _SHAPE)
 
 
 _VOLTS, _SHARE, _FACTOR = 0.1, 0.05, math.log(3.0)
@@ -403,7 +355,9 @@ def unknowns_of(
 
 def _warmths(battery: Battery) -> Iterator[tuple[str, Arrhenius]]:
     named = {"series_resistance_temperature": battery.series_resistance_temperature}
-    named |= {f"pairs.{name}.resistance_temperature": pair.resistance_temperature for name, pair in battery.pairs.items()}
+    named |= {
+        f"pairs.{name}.resistance_temperature": pair.resistance_temperature for name, pair in battery.pairs.items()
+    }
     if battery.acceptance is not None:
         named["acceptance.resistance_temperature"] = battery.acceptance.resistance_temperature
     yield from ((path, one) for path, one in named.items() if isinstance(one, Arrhenius))
@@ -416,39 +370,3 @@ def _ranged(one: Unknown, ranges: Mapping[str, tuple[float, float]]) -> Unknown:
         return one
     low, high = given
     return one._replace(prior=0.5 * (math.log(high / low) if one.log and low > 0.0 else high - low))
-
-
-def baked(battery: Battery) -> Battery:
-    """Return the same battery with its scales multiplied out: that of its capacity, and those of its tables."""
-    k = battery.scale
-    tree = battery.model_dump(mode="json")
-
-    def curve(value: Any, factor: float) -> Any:
-        if isinstance(value, int | float):
-            return factor * value
-        if "soc" in value:
-            made = Tabulated.model_validate(value)
-            grid, values = made.inside
-            return {"soc": grid, "value": [factor * made.scale * one for one in values], "scale": 1.0}
-        if "polynomial" in value:
-            return {"polynomial": [factor * one for one in value["polynomial"]]}
-        return value | {name: factor * value[name] for name in value if name not in _SHAPE}
-
-    tree["open_circuit_voltage_v"] = curve(tree["open_circuit_voltage_v"], 1.0)
-    tree["entropic_coefficient_v_k"] = curve(tree["entropic_coefficient_v_k"], 1.0)
-    tree["series_resistance_ohm"] = curve(tree["series_resistance_ohm"], 1.0 / k)
-    for pair in tree["pairs"].values():
-        pair["resistance_ohm"] = curve(pair["resistance_ohm"], 1.0 / k)
-    if tree["charge_transfer"]:
-        tree["charge_transfer"]["exchange_current_a"] = curve(tree["charge_transfer"]["exchange_current_a"], k)
-    if tree["acceptance"]:
-        tree["acceptance"]["resistance_ohm"] /= k
-    if tree["side_reaction"]:
-        tree["side_reaction"]["current_a"] *= k
-    if tree["hysteresis"]:
-        tree["hysteresis"]["rate_per_ah"] /= k
-    tree["thermal"] = {
-        "heat_capacity_j_k": k * battery.thermal.heat_capacity_j_k,
-        "resistance_k_w": battery.thermal.resistance_k_w / k,
-    }
-    return Battery.model_validate(tree | {"capacity_ah": k * battery.capacity_ah, "scaled_to_capacity_ah": None})
