@@ -37,7 +37,7 @@ LEAST_DEPTH = 1e-9
 _ITERATIONS = 60
 # Rows of the scratch, a column for each relaxation: value, forcing, resistance at both ends of an interval; what is
 # left of a value, and what a forcing straight in time adds by its start and by its end; the length these hold for.
-_VALUE, _FORCING, _OHM, _END_OHM, _LEFT, _BY_START, _BY_END, _LENGTH, _ROWS = range(9)
+_VALUE, _FORCING, _OHM, _END_OHM, _LEFT, _BY_START, _BY_END, _LENGTH, _BEFORE, _ROWS = range(10)
 
 
 class Drive(NamedTuple):
@@ -265,7 +265,7 @@ def _advance(
     start_inside = _inside(x)
     for k in range(relaxing):
         ohm = _pair(cell, k, start_inside, kelvin)[0]
-        scratch[_OHM, k], scratch[_FORCING, k] = ohm, ohm * main
+        scratch[_OHM, k], scratch[_FORCING, k], scratch[_BEFORE, k] = ohm, ohm * main, scratch[_VALUE, k]
         scratch[_VALUE, k] = scratch[_LEFT, k] * scratch[_VALUE, k] + scratch[_BY_START, k] * ohm * main
     start = main
     # A straight line where 1 - SOC moves little; where it would be used up, the end alone, which cannot swing.
@@ -365,14 +365,12 @@ def _pair_heat(
         tau, first, last = cell.tau_s[k], scratch[_OHM, k], scratch[_END_OHM, k]
         if first <= 0.0 or last <= 0.0:
             continue
-        left, forcing, ending, after = scratch[_LEFT, k], scratch[_FORCING, k], last * end_main, scratch[_VALUE, k]
-        if left > 1e-3:
-            # The value before, from the exact solution that led from it to the one after.
-            before = (after - scratch[_BY_START, k] * forcing - scratch[_BY_END, k] * ending) / left
-            mean_v = 0.5 * (forcing + ending) - (after - before) * tau / length
-            heat += mean_a * mean_v - 0.5 * tau * (after * after / last - before * before / first) / length
-        else:
-            heat += 0.5 * (forcing * start_main + ending * end_main)
+        before, after = scratch[_BEFORE, k], scratch[_VALUE, k]
+        mean_v = 0.5 * (scratch[_FORCING, k] + last * end_main) - (after - before) * tau / length
+        if k == cell.pairs and after == 0.0:
+            # Discharged on the way and held there: straight down to nothing.
+            mean_v = 0.5 * before
+        heat += mean_a * mean_v - 0.5 * tau * (after * after / last - before * before / first) / length
     if cell.recombination == 1:
         k = cell.relaxations - 1
         before = scratch[_VALUE, k]

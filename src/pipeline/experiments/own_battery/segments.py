@@ -27,6 +27,8 @@ _STILL, _STEADY, _JUMP = 0.005, 0.03, 0.05
 _HELD_SHARE = 2e-3
 _SETTLED_S = 1200.0
 _FEWEST_RESTS = 3
+_LEVELS_V = 200
+"""Parts of the voltage's span that a thinned measurement tells apart."""
 
 
 class Segment(NamedTuple):
@@ -187,6 +189,9 @@ def thinned(series: Series, ambient_c: float, rows: int = 2500) -> Thinned:
     edges[[0, *_edges(series)]] = True
     longest_s = max(time_s[-1] / rows, 0.0)
     most_ah = 2.0 * total / rows
+    volts = series.voltage_v
+    quiet = float(np.median(np.abs(np.diff(volts)))) if len(volts) > 1 else 0.0
+    most_v = max(float(np.ptp(volts)) / _LEVELS_V, 6.0 * quiet)
     kept, edge, last = [0], 0, 0
     for row in range(1, len(current)):
         if edges[row]:
@@ -197,6 +202,10 @@ def thinned(series: Series, ambient_c: float, rows: int = 2500) -> Thinned:
             continue
         since, gone = time_s[row] - time_s[edge], time_s[row] - time_s[last]
         moved = abs(counted[row] - counted[last]) >= most_ah or abs(current[row] - current[last]) > 2 * _JUMP * span
+        if abs(volts[row] - volts[last]) > most_v:
+            kept.append(row)
+            last = row
+            continue
         if gone >= min(0.12 * since, 4.0 * longest_s) and (
             since <= 20.0 or gone >= longest_s or moved or gone > 0.1 * since
         ):
@@ -212,10 +221,12 @@ def _thinned(series: Series, kept: NDArray[np.int64], ambient_c: float) -> Thinn
     length = np.diff(time_s[kept])
     put_in = 3600.0 * np.diff(counted[kept])
     mean = np.divide(put_in, length, out=current[kept][1:].copy(), where=length > 0.0)
-    alone = np.diff(kept) == 1
-    straight = alone & (not series.jumps)
-    before = np.append(current[kept[0]], np.where(straight, current[kept[1:]], mean))
-    after = np.append(np.where(straight, current[kept[:-1]], mean), current[kept[-1]])
+    # One row after the other of a current that jumps: constant in between. Otherwise straight, with the charge kept.
+    jumps = (np.diff(kept) == 1) & series.jumps
+    ends = current[kept]
+    shift = mean - 0.5 * (ends[1:] + ends[:-1])
+    before = np.append(ends[0], np.where(jumps, mean, ends[1:] + shift))
+    after = np.append(np.where(jumps, mean, ends[:-1] + shift), ends[-1])
     around = np.where(np.isnan(series.ambient_c[kept]), ambient_c, series.ambient_c[kept]) + ZERO_CELSIUS_K
     drive = Drive(
         time_s=time_s[kept],
