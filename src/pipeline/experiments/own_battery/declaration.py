@@ -11,7 +11,7 @@ from pydantic import Field
 from pipeline.errors import UserError
 from pipeline.experiments.own_battery.records import Fit, Measured
 from pipeline.experiments.own_battery.tables import CHARGES, FITTED, FITTED_NUMBERS, READ
-from pipeline.files.content import digest
+from pipeline.own_files import digest
 from pipeline.kernel.draft import plain, untitled
 from pipeline.kernel.experiment import Effort, Experiment, Label, Node, Step
 from pipeline.record import Record

@@ -16,7 +16,8 @@ from pipeline.experiments.own_battery.records import Measured
 from pipeline.files import headings
 from pipeline.files.cells import Table, number, plain
 from pipeline.files.clock import clock_of
-from pipeline.files.content import digest, load
+from pipeline.files.content import load
+from pipeline.own_files import digest
 from pipeline.files.quantities import CURRENT, TEMPERATURE, VOLTAGE, Quantity
 from pipeline.files.read import of_content
 from pipeline.record import OwnFile
