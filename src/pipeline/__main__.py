@@ -13,7 +13,7 @@ from pipeline.kernel.last_resort import in_utf8, last_resort, refuse_other_bytes
 
 COMMANDS = (
     *("run", "compare", "reproduce", "report", "store", "validate", "steps", "modes", "schema", "new", "init"),
-    "readme",
+    *("readme", "completion"),
 )
 """The words; each is a module of `pipeline.commands` with `main(arguments) -> exit code`."""
 
@@ -46,7 +46,8 @@ def command() -> None:
 
 
 def _command(name: str) -> Callable[[Sequence[str]], int]:
-    command: Callable[[Sequence[str]], int] = import_module(f"pipeline.commands.{name}").main
+    module = {"completion": "looking"}.get(name, name)
+    command: Callable[[Sequence[str]], int] = import_module(f"pipeline.commands.{module}").main
     return command
 
 

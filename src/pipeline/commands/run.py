@@ -33,9 +33,9 @@ def main(arguments: Sequence[str]) -> int:
     if unknown:
         raise UserError(f"option {unknown[0]}: unknown; see python -m pipeline --help")
     words = [*options_.overrides, *overrides]
-    if options_.cfg:
+    if options_.cfg or options_.info:
         for run in _expanded(words, options_.multirun):
-            _show(run)
+            print(_look(run, options_), end="")
         return 0
     swept = options_.multirun and options_.target == "all"
     plan = swept_plan(words, options_.cores) if swept else planned(words, options_.multirun)
@@ -51,6 +51,8 @@ def main(arguments: Sequence[str]) -> int:
     )
     words = [options_.target, "--cores", str(options_.cores)]
     words += ["--forceall"] * options_.force
+    words += ["--keep-going"] * options_.keep_going
+    words += ["--quiet"] * options_.quiet
     words += ["--printshellcmds"] * options_.verbose
     words += ["--config", f"plan={file}", "tell=false", *["verify=true"] * options_.verify]
     if options_.dry_run:
@@ -79,6 +81,14 @@ def planned(words: Sequence[str], multirun: bool = False) -> dict[str, Any]:
         return make_plan(_expanded(words, multirun))
 
     return planfile.remembered(["run", str(multirun), *words], made)
+
+
+def _look(run: Sequence[str], choices: argparse.Namespace) -> str:
+    from pipeline.commands import looking
+
+    if choices.info:
+        return "".join(f"{line}\n" for line in looking.told(run))
+    return looking.shown(run, choices.cfg, choices.package)
 
 
 def swept_plan(words: Sequence[str], cores: str) -> dict[str, Any]:
@@ -151,7 +161,7 @@ def _parser(listing: bool) -> argparse.ArgumentParser:
     parser = argparse.ArgumentParser(
         prog="python -m pipeline",
         description="Battery charging studies. Other words: compare, reproduce, report, store, validate, steps, "
-        "modes, schema, new, init, readme; each has --help.",
+        "modes, schema, new, init, readme, completion; each has --help.",
         epilog=f"{EXAMPLES}\nconfiguration groups (group=option):\n{available}",
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
@@ -164,18 +174,19 @@ def _parser(listing: bool) -> argparse.ArgumentParser:
     parser.add_argument("-v", "--verbose", action="store_true", help="print all that Snakemake says, not a line a job")
     parser.add_argument("--verify", action="store_true", help="read every file made before, not only its size and time")
     parser.add_argument("-t", "--target", default="all", help=f"a part of the study: {parts}")
-    parser.add_argument("--cfg", action="store_true", help="print the composed configuration and stop")
+    parser.add_argument("-k", "--keep-going", action="store_true", help="go on with what a failed job does not touch")
+    parser.add_argument("-q", "--quiet", action="store_true", help="print results, warnings and errors alone")
+    parser.add_argument(
+        "--cfg",
+        nargs="?",
+        const="job",
+        choices=("job", "hydra", "all"),
+        help="print the composed configuration, what is used of Hydra, or both, and stop",
+    )
+    parser.add_argument("-p", "--package", metavar="KEY", help="with --cfg: only what stands at a key path")
+    parser.add_argument("--resolve", action="store_true", help="with --cfg; values are resolved always")
+    parser.add_argument("--info", action="store_true", help="print versions, search path and files, and stop")
     return parser
-
-
-def _show(run: Sequence[str]) -> None:
-    import yaml
-
-    from pipeline.config.compose import compose_tree
-    from pipeline.config.study import study_from
-
-    study = study_from(compose_tree(run))
-    print(yaml.safe_dump(study.configuration, sort_keys=False, allow_unicode=True))
 
 
 def cores(text: str) -> str:

@@ -21,6 +21,10 @@ MOST_LETTERS = 20_000
 _TRUTH = ("true", "True", "TRUE", "false", "False", "FALSE")
 _OPTION = re.compile(r"[A-Za-z0-9_][A-Za-z0-9_.+-]{0,99}")
 _OWN = ("hydra", "_self_")
+_INSTEAD = (
+    "of Hydra's own settings none is used; a run lies in results/<study>/<run>, a sweep in "
+    "results/<study>/sweeps/<name> (sweep.name=NAME), and Snakemake starts the jobs (--cores N, or a profile)"
+)
 
 
 class Word(str):
@@ -70,7 +74,7 @@ def _parsed(word: str) -> Override:
             "e.g. battery=lead_acid_12v18ah or modes.cv_reflex.frequency_hz=50"
         )
     if found.key_or_group.split("/")[0].split(".")[0] in _OWN:
-        raise UserError(f"override {told(word)}: {found.key_or_group} belongs to Hydra, of which nothing is set here")
+        raise UserError(f"override {told(word)}: {found.key_or_group}: {_INSTEAD}")
     for written in adapter.spelled(word):
         if "_" in written or (written.isalpha() and written.lower() in ("true", "false") and written not in _TRUTH):
             raise UserError(

@@ -11,9 +11,9 @@ from pydantic import Field
 from pipeline.errors import UserError
 from pipeline.experiments.own_battery.records import Fit, Measured
 from pipeline.experiments.own_battery.tables import CHARGES, FITTED, FITTED_NUMBERS, READ
-from pipeline.own_files import digest
 from pipeline.kernel.draft import plain, untitled
 from pipeline.kernel.experiment import Effort, Experiment, Label, Node, Step
+from pipeline.own_files import digest
 from pipeline.record import Record
 
 

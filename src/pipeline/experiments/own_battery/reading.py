@@ -17,9 +17,9 @@ from pipeline.files import headings
 from pipeline.files.cells import Table, number, plain
 from pipeline.files.clock import clock_of
 from pipeline.files.content import load
-from pipeline.own_files import digest
 from pipeline.files.quantities import CURRENT, TEMPERATURE, VOLTAGE, Quantity
 from pipeline.files.read import of_content
+from pipeline.own_files import digest
 from pipeline.record import OwnFile
 
 Array = NDArray[np.float64]
