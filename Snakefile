@@ -16,6 +16,9 @@ min_version("9.0")
 container: "docker://python:3.11-slim"
 
 
+report: "workflow/report/workflow.rst"
+
+
 include: "workflow/common.smk"
 
 

@@ -7,7 +7,13 @@ for step, declared in flow.steps().items():
         input:
             lambda wildcards: flow.needs(wildcards.chunk),
         output:
-            flow.receipt(step),
+            report(
+                flow.receipt(step),
+                caption="report/step.rst",
+                category="Steps",
+                subcategory=declared["rule"].replace("_", " "),
+                labels={"job": "{chunk}"},
+            ),
         log:
             flow.log(step),
         benchmark:

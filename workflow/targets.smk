@@ -16,7 +16,13 @@ for path, chunk in flow.files().items():
         input:
             ancient(flow.needs(chunk)),
         output:
-            flow.placed(path, chunk),
+            report(
+                flow.placed(path, chunk),
+                caption="report/file.rst",
+                category=path.split("/")[1],
+                subcategory=path.split("/")[2],
+                labels={"file": path.split("/", 3)[3]},
+            ),
         log:
             flow.log("publish").format(chunk=chunk),
         params:

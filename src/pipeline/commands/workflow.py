@@ -52,7 +52,7 @@ Purpose = Literal["run", "look", "job"]
 _LOOKING = (
     *("dryrun", "lint", "list_target_rules", "list_rules", "print_compilation", "containerize", "generate_unit_tests"),
     *("dag", "rulegraph", "filegraph", "d3dag", "unlock", "cleanup_metadata", "list_conda_envs", "list_changes"),
-    *("list_input_changes", "list_params_changes", "list_untracked", "summary", "detailed_summary"),
+    *("report", "list_input_changes", "list_params_changes", "list_untracked", "summary", "detailed_summary"),
 )
 
 
