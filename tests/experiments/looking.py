@@ -11,6 +11,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.collections import PathCollection
+from matplotlib.colors import to_hex
 from matplotlib.figure import Figure
 from matplotlib.legend import Legend
 from matplotlib.lines import Line2D
@@ -38,6 +39,14 @@ def faults(drawing: Figure) -> list[str]:
         if axes.get_visible():
             found += [f"field {number}: {one}" for one in (*_hidden_curves(axes), *_hidden_symbols(axes))]
     return found
+
+
+def shows_published(drawing: Figure) -> bool:
+    """Tell whether anything in a figure is drawn in the colour of published values."""
+    colours = [to_hex(line.get_color()) for axes in drawing.axes for line in axes.lines]
+    colours += [to_hex(text.get_color()) for axes in drawing.axes for text in axes.texts]
+    colours += [to_hex(one) for axes in drawing.axes for group in axes.collections for one in group.get_facecolor()]
+    return style.PUBLISHED in colours
 
 
 def faults_of_words(drawing: Figure) -> list[str]:
@@ -83,6 +92,10 @@ def _over_curves(drawing: Figure, axes: Axes, shown: list[tuple[Text, Bbox]], re
         for line in _curves(axes):
             if _share(_along(line), box) > 0.0:
                 yield f"{name} lies over the curve {_called(line)}"
+        for symbol, points, _ in _symbols(axes):
+            count = round(_share(points, box) * len(points))
+            if count:
+                yield f"{name} lies over {count} symbols of {_called(symbol)}"
 
 
 def _where(legend: Legend) -> str:

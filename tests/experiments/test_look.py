@@ -129,6 +129,7 @@ BAD = {
     "cut by the edge": lambda axes: axes.figure.text(0.9, 0.2, "a long text that leaves the figure"),
     "lies over 'other'": lambda axes: [axes.text(0.5, 0.5, words) for words in ("one", "other")],
     "lies over the curve": lambda axes: (axes.plot(T, T), axes.text(0.5, 0.5, "words", ha="center", va="center")),
+    "lies over 1 symbols": lambda axes: (axes.plot(0.5, 0.5, "o"), axes.text(0.5, 0.5, "words", ha="center")),
     "the legend ['a']": lambda axes: (axes.plot(T, 0.5 + 0 * T, label="a"), axes.legend(loc="center")),
     "is empty": lambda axes: None,
     "the curve 'a' lies beneath 'b'": lambda axes: [axes.plot(T, T, label=name) for name in "ab"],

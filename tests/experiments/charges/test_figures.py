@@ -15,7 +15,7 @@ from pipeline.report.tables import ReportData
 from tests import making
 from tests.experiments.charges.artefacts import MODES, charge
 from tests.experiments.drawing import CONF, cards, drawn, saved
-from tests.experiments.looking import faults
+from tests.experiments.looking import faults, shows_published
 
 UNIT = re.compile(
     r"\[(A|V|W|mW|mΩ|mV/K|µJ|Wh|F|Hz|%|% of the input|h|min|s|ms|W/m²/s|°C|K|"
@@ -67,6 +67,7 @@ def test_every_figure_has_units_on_its_axes_and_is_the_same_bytes_twice(name, ca
     units_stand_on_the_axes(name, card, drawing)
     with style.active():
         assert faults(drawing) == []
+    assert shows_published(drawing) or not any(option.startswith("published") for option in card.options)
     fresh = ReportData(whole.inputs, whole.modes, whole.comparisons, whole.settings)
     second = saved(card, fresh, tmp_path / "second", name)
     assert [path.name for path in first] == [f"{name}.svg", f"{name}.png"]

@@ -13,7 +13,7 @@ from pipeline.experiments.staging.page import tables
 from pipeline.report import style
 from pipeline.report.records import FigureCard
 from pipeline.report.tables import ReportData, report_data, to_csv
-from tests.experiments.looking import faults_of_words
+from tests.experiments.looking import faults_of_words, shows_published
 from tests.experiments.staging.staging_world import SEARCHED, make, nodes, small
 from tests.making import inputs
 
@@ -60,6 +60,7 @@ def test_every_figure_draws_with_units_on_its_axes(name, world):
     found = drawn(name, data_of(name, world))
     with style.active():
         assert faults_of_words(found) == []
+    assert shows_published(found) or not any(option.startswith("published") for option in card_of(name).options)
     fields = found.get_axes()
     if card_of(name).draw in DIAGRAMS:
         assert len(fields[0].texts) > 4

@@ -16,7 +16,7 @@ from pipeline.report.records import FigureCard
 from pipeline.report.tables import ModeLabel, ReportData
 from tests import making
 from tests.charge.samples import ENGINE, battery, settings
-from tests.experiments.looking import faults
+from tests.experiments.looking import faults, shows_published
 from tests.experiments.network.artefacts import network_half
 from tests.experiments.trade_off.test_trade_off import CHOSEN, MODES
 
@@ -81,6 +81,7 @@ def test_every_figure_draws_and_is_the_same_bytes_twice(name, whole, tmp_path):
     assert made[0] == made[1]
     with style.active():
         assert faults(drawing) == []
+    assert shows_published(drawing) or not any(option.startswith("published") for option in card.options)
 
 
 @pytest.mark.parametrize("name", NAMES)

@@ -24,6 +24,9 @@ class Options(Record):
     """One charge."""
 
     mode: str = Field(min_length=1, description="name of the mode")
+    published_soc: float | None = Field(
+        default=None, gt=0, lt=1, description="SOC at which the current falls in the paper"
+    )
 
 
 def draw(figure: FigureCard, data: ReportData) -> Figure:
@@ -60,7 +63,13 @@ def draw(figure: FigureCard, data: ReportData) -> Figure:
         voltage.annotate(
             f"voltage held from {soc:.3g} % SOC,\nfor {_lasting(trace, int(held[0])):.0f} s ", (start, 0.12),
             xycoords=("data", "axes fraction"), ha="right", va="center", color=style.GREY,
+            bbox=style.BEHIND_WORDS,
         )  # fmt: skip
+    if options.published_soc is not None and float(trace["soc"][-1]) > options.published_soc:
+        when = float(np.interp(options.published_soc, trace["soc"], minutes))
+        words = f"published: the current falls from {100 * options.published_soc:g} % SOC on"
+        for axes, said in ((current, ""), (voltage, words)):
+            style.published(axes, when, said, upright=True, at=0.85)
     current.set_ylim(0.0, 1.12 * float(np.max(trace["Current / A"])))
     current.set_title(data.modes[options.mode].title)
     voltage.set_xlabel("Time [min]")

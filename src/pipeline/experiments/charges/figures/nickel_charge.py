@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Literal, NamedTuple
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Any, Literal, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -93,9 +94,9 @@ def draw(figure: FigureCard, data: ReportData) -> Figure:
             _peak(axes, time, values)
     fields[-1].set_xlim(0.0, float(trace["Test Time / s"][-1]) * 1.01)
     _shade(fields, options, trace)
-    _mark(fields, options, data)
+    is_marked = _mark(fields, options, data)
     fields[0].set_title(
-        f"{data.modes[options.mode].title}, {data.comparisons[comparisons[0]]}", pad=28 if options.c_rate else 7
+        f"{data.modes[options.mode].title}, {data.comparisons[comparisons[0]]}", pad=28 if is_marked else 7
     )
     fields[-1].set_xlabel("Time [s]")
     drawing.align_ylabels()
@@ -152,8 +153,8 @@ def _peak(axes: Axes, time: NDArray[np.float64], values: NDArray[np.float64]) ->
         )  # fmt: skip
 
 
-def _mark(fields: NDArray[np.object_], options: Options, data: ReportData) -> None:
-    """Mark when each stop alone would end the charge, and when the paper would."""
+def _mark(fields: NDArray[np.object_], options: Options, data: ReportData) -> bool:
+    """Mark when each stop alone would end the charge, and when the paper would; tell whether anything is marked."""
     moments: dict[str, float] = {}
     if options.c_rate is not None and "trade_off" in data.inputs:
         table = data.table("trade_off", "trade_off")
@@ -162,6 +163,8 @@ def _mark(fields: NDArray[np.object_], options: Options, data: ReportData) -> No
             rows = (table["stop"] == stop) & (table["condition"] == first) & (table["c_rate"] == options.c_rate)
             if np.any(rows):
                 moments[words] = float(table["end_time_s"][rows][0])
+    elif "trade_off" in data.inputs:
+        moments |= _of_a_mode(data.table("trade_off", "trade_off"), options.mode, data.settings)
     if options.published_stop_s is not None:
         moments["paper"] = options.published_stop_s
     span = float(fields[0].get_xlim()[1])
@@ -181,3 +184,14 @@ def _mark(fields: NDArray[np.object_], options: Options, data: ReportData) -> No
             annotation_clip=False,
             arrowprops={"arrowstyle": "-", "color": "#bbbbbb", "linewidth": 0.7, "relpos": (0.5, 0.0), "shrinkA": 0.0},
         )  # fmt: skip
+    return bool(found)
+
+
+def _of_a_mode(table: Columns, mode: str, settings: Mapping[str, Mapping[str, Any]]) -> dict[str, float]:
+    """Return when a mode that commands its own current has charged the battery, and when the charge ends."""
+    rows = (table["law"] == mode) & (table["condition"] == table["condition"][0]) & (table["sensor"] == "own")
+    if not np.any(rows):
+        return {}
+    full = settings.get("trade_off", {}).get("full_soc")
+    found = {f"{100 * full:g} % charged" if full else "charged": float(table["time_to_full_s"][rows][0])}
+    return {words: when for words, when in found.items() if np.isfinite(when)}

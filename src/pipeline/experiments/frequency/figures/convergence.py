@@ -29,6 +29,7 @@ class Options(Record):
     runs: str = Field(default="published_protocol", min_length=1, description="search whose runs are drawn one by one")
     band: str = Field(default="swarm_published", min_length=1, description="search whose runs make the band behind")
     oracle: str = Field(default="sweep", min_length=1, description="search whose end is where they should end")
+    published: float | None = Field(default=None, description="where they end in the paper, in the quantity's unit")
 
 
 Array = NDArray[np.float64]
@@ -69,6 +70,14 @@ def draw(figure: FigureCard, data: ReportData) -> Figure:
     _band(whole, band)
     _lines(whole, runs)
     whole.axhline(best, color="#222222", linewidth=1.0, linestyle=":", label=f"brute force: {words.format(best)}")
+    if options.published is not None:
+        end = _settled(band, runs)
+        whole.plot(
+            0.97 * end,
+            options.published,
+            label=f"published: {options.published:g} {words.split(' ', 1)[1]}",
+            **style.PUBLISHED_POINT,
+        )
     whole.set_ylabel(label)
     smallest = _SMALLEST[options.quantity]
     for draw_runs, one in ((_band, band), (_lines, runs)):
@@ -117,7 +126,7 @@ def _legend(drawing: Figure, axes: Axes, runs: _Runs) -> None:
     drawn = tuple(Line2D([], [], color=mark.colour, marker=mark.marker, markersize=4, linewidth=1.3) for mark in styles)
     every: list[Any] = [*handles, drawn]
     drawing.legend(
-        every, [*labels, f"{len(drawn)} runs, as published"], loc="outside upper center", ncols=4,
+        every, [*labels, f"{len(drawn)} runs, as published"], loc="outside upper center", ncols=3,
         fontsize=9,
         handlelength=1.8, handler_map={tuple: HandlerTuple(ndivide=None, pad=0.1)},
     )  # fmt: skip

@@ -6,9 +6,11 @@ from itertools import cycle
 from typing import TYPE_CHECKING
 
 import numpy as np
+from pydantic import Field
 
+from pipeline.record import Record
 from pipeline.report import style
-from pipeline.report.records import FigureCard, NoOptions
+from pipeline.report.records import FigureCard
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -18,7 +20,12 @@ if TYPE_CHECKING:
 
 
 READS = ("panel",)
-Options = NoOptions
+
+
+class Options(Record):
+    """The curves, beside what a data sheet gives at standard conditions."""
+
+    published_a: dict[str, float] = Field(default_factory=dict, description="voltage [V] -> current given there [A]")
 
 
 _REFERENCE = {"irradiance_w_m2": 1000.0, "cell_temperature_c": 25.0}
@@ -38,6 +45,8 @@ def draw(figure: FigureCard, data: ReportData) -> Figure:
     -------
     The figure: irradiance on the left, temperature on the right; current above, power below.
     """
+    options = figure.chosen()
+    assert isinstance(options, Options)
     drawing = style.figure(6.4)
     fields = drawing.subplots(2, 2, sharex=True, sharey="row")
     curves, points = data.table("panel", "curves"), data.table("panel", "points")
@@ -51,10 +60,20 @@ def draw(figure: FigureCard, data: ReportData) -> Figure:
         fields[1, column].set_xlabel("Panel voltage [V]")
     fields[0, 0].set_ylabel("Panel current [A]")
     fields[1, 0].set_ylabel("Panel power [W]")
+    given = {float(voltage): current for voltage, current in options.published_a.items()}
+    for column in range(2 if given else 0):
+        for axes, values in zip(fields[:, column], (given, {v: v * a for v, a in given.items()}), strict=True):
+            label = "data sheet" if axes is fields[1, 0] else ""
+            axes.plot(list(values), list(values.values()), label=label, clip_on=False, **_GIVEN)
+    if given:
+        fields[1, 0].legend(loc="upper left", handlelength=3.0, fontsize=9)
     for axes in fields.ravel():
         axes.set_ylim(bottom=0.0)
         axes.set_xlim(left=0.0)
     return drawing
+
+
+_GIVEN = style.PUBLISHED_POINT | {"markersize": 14, "markerfacecolor": "none", "markeredgecolor": style.PUBLISHED}
 
 
 def _nearest(values: np.ndarray, wanted: float) -> float:
