@@ -95,7 +95,7 @@ class Problem:
         self.evaluations += len(vectors)
         found = []
         for place, part in enumerate(self.parts):
-            start_k = np.full(len(vectors), start_kelvin(part.thinned))
+            start_k = np.full(len(vectors), part.thinned.start_k)
             found.append(replays(cells, soc[:, place], start_k, part.thinned.drive))
         return found
 
@@ -187,13 +187,6 @@ def rmse_v(problem: Problem, vector: Array, rows: Sequence[NDArray[np.bool_]]) -
         missed = one.voltage_v[0, chosen] - part.thinned.voltage_v[chosen]
         squares, count = squares + float(np.sum(missed**2)), count + int(chosen.sum())
     return math.sqrt(squares / count) if count else math.nan
-
-
-def start_kelvin(thinned: Thinned) -> float:
-    """Return the temperature at the start: as measured, its first rows averaged, else that of the surroundings [K]."""
-    measured = thinned.temperature_k[:5]
-    known = measured[~np.isnan(measured)]
-    return float(known.mean()) if len(known) else float(thinned.drive.ambient_k[0])
 
 
 def many_starts(

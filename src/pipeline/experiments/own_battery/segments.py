@@ -26,7 +26,8 @@ LONGEST_PULSE_S = 60.0
 _STILL, _STEADY, _JUMP = 0.005, 0.03, 0.05
 _HELD_SHARE = 2e-3
 _SETTLED_S = 1200.0
-_FEWEST_RESTS = 3
+_FEWEST_RESTS, _START_S = 3, 300.0
+_SMOOTH, _SMOOTHED = 0.03, 10
 _LEVELS_V = 200
 """Parts of the voltage's span that a thinned measurement tells apart."""
 
@@ -160,12 +161,14 @@ class Thinned(NamedTuple):
     ---------
     drive : the replay's form; `kept` : its rows in the series.
     voltage_v, temperature_k : measured there; temperature NaN where it is not.
+    start_k : temperature at the start: as measured, its first rows averaged, else that of the surroundings [K].
     """
 
     drive: Drive
     kept: NDArray[np.int64]
     voltage_v: Array
     temperature_k: Array
+    start_k: float
 
 
 def whole(series: Series, ambient_c: float) -> Thinned:
@@ -189,7 +192,8 @@ def thinned(series: Series, ambient_c: float, rows: int = 2500) -> Thinned:
     edges[[0, *_edges(series)]] = True
     longest_s = max(time_s[-1] / rows, 0.0)
     most_ah = 2.0 * total / rows
-    volts = series.voltage_v
+    # Smoothed: single rows that noise lifts must not be chosen for it.
+    volts = _smooth(series.voltage_v)
     quiet = float(np.median(np.abs(np.diff(volts)))) if len(volts) > 1 else 0.0
     most_v = max(float(np.ptp(volts)) / _LEVELS_V, 6.0 * quiet)
     kept, edge, last = [0], 0, 0
@@ -216,17 +220,26 @@ def thinned(series: Series, ambient_c: float, rows: int = 2500) -> Thinned:
     return _thinned(series, np.array(kept), ambient_c)
 
 
+def _smooth(values: Array) -> Array:
+    """Return the means of values over a few rows on both sides."""
+    half = min(_SMOOTHED, (len(values) - 1) // 2)
+    total = np.concatenate([[0.0], np.cumsum(values)])
+    rows = np.arange(len(values))
+    low, high = np.maximum(rows - half, 0), np.minimum(rows + half + 1, len(values))
+    return np.asarray((total[high] - total[low]) / (high - low))
+
+
 def _thinned(series: Series, kept: NDArray[np.int64], ambient_c: float) -> Thinned:
     time_s, counted, current = series.time_s, charge_ah(series), series.current_a
     length = np.diff(time_s[kept])
     put_in = 3600.0 * np.diff(counted[kept])
     mean = np.divide(put_in, length, out=current[kept][1:].copy(), where=length > 0.0)
-    # One row after the other of a current that jumps: constant in between. Otherwise straight, with the charge kept.
-    jumps = (np.diff(kept) == 1) & series.jumps
-    ends = current[kept]
-    shift = mean - 0.5 * (ends[1:] + ends[:-1])
-    before = np.append(ends[0], np.where(jumps, mean, ends[1:] + shift))
-    after = np.append(np.where(jumps, mean, ends[:-1] + shift), ends[-1])
+    if series.jumps:
+        before, after = _straight(mean, length, current[kept[0]])
+    else:
+        shift = mean - 0.5 * (current[kept[1:]] + current[kept[:-1]])
+        before = np.append(current[kept[0]], current[kept[1:]] + shift)
+        after = np.append(current[kept[:-1]] + shift, current[kept[-1]])
     around = np.where(np.isnan(series.ambient_c[kept]), ambient_c, series.ambient_c[kept]) + ZERO_CELSIUS_K
     drive = Drive(
         time_s=time_s[kept],
@@ -236,7 +249,47 @@ def _thinned(series: Series, kept: NDArray[np.int64], ambient_c: float) -> Thinn
         ambient_k=around,
         given_k=np.full(len(kept), np.nan),
     )
-    return Thinned(drive, kept, series.voltage_v[kept], series.temperature_c[kept] + ZERO_CELSIUS_K)
+    first = series.temperature_c[: _first_rows(series)]
+    known = first[~np.isnan(first)]
+    start_k = float(known.mean()) + ZERO_CELSIUS_K if len(known) else float(around[0])
+    return Thinned(
+        drive, kept, series.voltage_v[kept], series.temperature_c[kept] + ZERO_CELSIUS_K, start_k
+    )  # fmt: skip
+
+
+def _first_rows(series: Series) -> int:
+    """Return over how many rows the temperature is still that of the start: a rest of some minutes, else a few."""
+    still = np.abs(series.current_a) < _STILL * (np.max(np.abs(series.current_a)) + 1e-30)
+    ends = int(np.argmin(still)) if not still.all() else len(still)
+    early = int(np.searchsorted(series.time_s, _START_S, side="right"))
+    return max(min(ends, early), 3)
+
+
+def _straight(mean: Array, length: Array, first_a: float) -> tuple[Array, Array]:
+    """Return the current before and after each row, straight in every interval, its mean kept.
+
+    Where it does not jump it passes through the mean of both sides: single rows are too noisy to begin and end with.
+
+    Arguments
+    ---------
+    mean, length : of the intervals, shape (m - 1,) [A], [s].
+    first_a : current of the first row [A].
+    """
+    before, after = np.append(first_a, mean), np.append(mean, mean[-1])
+    near = np.abs(np.diff(mean)) < _SMOOTH * (np.max(np.abs(mean)) + 1e-30)
+    weight = length[:-1] + length[1:]
+    near &= (length[:-1] > 0.0) & (length[1:] > 0.0)
+    between = np.divide(
+        mean[:-1] * length[1:] + mean[1:] * length[:-1], weight, out=mean[1:].copy(), where=weight > 0.0
+    )
+    start, end = np.append(False, near), np.append(near, False)
+    first = np.where(start, np.append(0.0, between), np.nan)
+    last = np.where(end, np.append(between, 0.0), np.nan)
+    first = np.where(np.isnan(first), np.where(np.isnan(last), mean, 2.0 * mean - last), first)
+    last = np.where(np.isnan(last), 2.0 * mean - first, last)
+    shift = mean - 0.5 * (first + last)
+    after[:-1], before[1:] = first + shift, last + shift
+    return before, after
 
 
 def sensors_apart_k(series: Series, found: Sequence[Segment]) -> float:
