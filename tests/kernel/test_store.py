@@ -7,7 +7,7 @@ import os
 import stat
 import subprocess
 import sys
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from pathlib import Path
 
 import pytest
@@ -216,3 +216,40 @@ def test_only_what_no_living_process_owns_is_abandoned(tmp_path: Path) -> None:
     figure = tmp_path / "reports" / "study" / "run" / f".figure.svg.{ended.pid}"
     figure.mkdir(parents=True)
     assert set(store.abandoned(results)) == {*(results / name for name in dead), figure}
+
+
+def test_many_are_made_at_once_and_only_those_that_are_missing(tmp_path: Path) -> None:
+    asked: list[list[str]] = []
+
+    def write(folders: Mapping[str, Path]) -> None:
+        asked.append(list(folders))
+        for key, folder in folders.items():
+            (folder / "a.txt").write_text(key)
+
+    first = store.make_many(tmp_path, "step", ["k1", "k2"], write)
+    both = store.make_many(tmp_path, "step", ["k1", "k2", "k3"], write)
+    assert asked == [["k1", "k2"], ["k3"]]
+    assert {key: both[key] for key in first} == first
+    for key in ("k1", "k2", "k3"):
+        assert store.damage(store.artefact(tmp_path, "step", key)) is None
+        assert (store.artefact(tmp_path, "step", key) / "a.txt").stat().st_mode & 0o777 == 0o444
+
+
+def test_of_many_that_fail_none_is_left(tmp_path: Path) -> None:
+    def write(folders: Mapping[str, Path]) -> None:
+        (folders["k1"] / "a.txt").write_text("whole")
+        raise RuntimeError("no more")
+
+    with pytest.raises(RuntimeError, match="no more"):
+        store.make_many(tmp_path, "step", ["k1", "k2"], write)
+    assert list((tmp_path / "store" / "step").iterdir()) == []
+
+
+def test_one_of_many_that_comes_out_different_is_told(tmp_path: Path) -> None:
+    def write(folders: Mapping[str, Path]) -> None:
+        for folder in folders.values():
+            (folder / "a.txt").write_text(str(len(folders)))
+
+    store.make_many(tmp_path, "step", ["k1"], write)
+    with pytest.raises(StoreError, match=r"k1 came out different in: a\.txt"):
+        store.make_many(tmp_path, "step", ["k2", "k1"], write, again=True)

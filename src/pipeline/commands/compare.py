@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from pipeline.errors import UserError
-from pipeline.kernel import digest
+from pipeline.kernel import digest, publish
 
 
 @dataclass(frozen=True)
@@ -59,7 +59,7 @@ def main(arguments: Sequence[str]) -> int:
 def artefacts(folder: Path) -> dict[str, Listed]:
     """Return place -> artefact of every file that the manifests in a folder list, those of parts (`-t`) included."""
     own = sorted(folder.glob("manifest*.json"))
-    paths = own or sorted(folder.glob("*/*/manifest*.json"))
+    paths = own or publish.manifests(folder)
     if not paths:
         raise UserError(f"{folder}: no manifest.json there; allowed is a run's folder or a results folder")
     found: dict[str, Listed] = {}

@@ -15,7 +15,7 @@ from typing import Any
 
 from pipeline.commands.compare import damage, manifest
 from pipeline.errors import UserError
-from pipeline.kernel import digest, registry, store, tables
+from pipeline.kernel import digest, publish, registry, store, tables
 from pipeline.kernel.plan import PYTHON
 from pipeline.kernel.tables import TableFile
 
@@ -73,7 +73,7 @@ class Recorded:
         UserError : a file that is missing or is not what its manifest lists, or no run at all.
         """
         made = cls({}, {})
-        for path in sorted(results.glob("*/*/manifest*.json")):
+        for path in publish.manifests(results):
             made._add(results, manifest(path))
         if not made.runs:
             raise UserError(f"{results}: no run was made there")

@@ -1,4 +1,7 @@
-"""`python -m pipeline report [RUN]`: the verdicts of a run in the terminal, and its page, as one file where asked."""
+"""`python -m pipeline report [RUN]`: the verdicts of a run in the terminal, and its page, as one file where asked.
+
+A run of a sweep, which keeps its numbers alone, is made whole first.
+"""
 
 from __future__ import annotations
 
@@ -14,6 +17,7 @@ from rich.console import Console
 from rich.markup import escape
 from rich.table import Table
 
+from pipeline.config.naming import run_name
 from pipeline.errors import UserError, best_matches
 from pipeline.kernel import publish, tables
 from pipeline.kernel.store import REPORTS, RESULTS
@@ -26,10 +30,21 @@ from pipeline.report.pages import TRACES
 def main(arguments: Sequence[str]) -> int:
     """Print a run's verdicts, or write its page as one file; return 0."""
     parser = argparse.ArgumentParser(prog="python -m pipeline report", description=__doc__)
-    parser.add_argument("run", nargs="?", default="solar_reflex/default", help="study/run (%(default)s)")
+    words = "study/run (%(default)s), or a run of a sweep"
+    parser.add_argument("run", nargs="?", default="solar_reflex/default", help=words)
     parser.add_argument("--single-file", type=Path, metavar="FILE", help="write the page with all it shows in one file")
     options = parser.parse_args(arguments)
     run = options.run.removeprefix(f"{RESULTS}/").removeprefix(f"{REPORTS}/").strip("/")
+    swept = _of_sweep(run)
+    if swept is not None:
+        study, overrides = swept
+        # The runner of the workflow is needed for this alone.
+        from pipeline.commands.run import main as make
+
+        code = make([f"study={study}", *overrides])
+        if code:
+            return code
+        run = f"{study}/{run_name(overrides)}"
     run = run if "/" in run else f"{run}/default"
     if options.single_file is not None:
         return _single(run, options.single_file)
@@ -77,6 +92,29 @@ def single_file(folder: Path) -> str:
     if traces.is_file():
         page = page.replace("</main>", f"</main>\n<script>{traces.read_text(encoding='utf-8')}</script>", 1)
     return re.sub(r'<script src="([^"]+)" defer></script>\n?', script, page)
+
+
+def _of_sweep(run: str) -> tuple[str, list[str]] | None:
+    """Return study and overrides of a run of a sweep; none where the words name none.
+
+    Arguments
+    ---------
+    run : name of the run, perhaps with the folder of its sweep before it: `study/sweeps/name/run`.
+
+    Raises
+    ------
+    UserError : runs of several studies have this name.
+    """
+    found = {}
+    for path in sorted(RESULTS.glob("*/sweeps/*/manifest.json")):
+        folder = path.parent.relative_to(RESULTS).as_posix()
+        manifest = json.loads(path.read_text(encoding="utf-8"))
+        for name, one in (manifest.get("sweep") or {}).items():
+            if run in (name, f"{folder}/{name}"):
+                found[manifest["study"], tuple(one["overrides"])] = f"{folder}/{name}"
+    if len(found) > 1:
+        raise UserError(f"run {run!r}: several sweeps have one of this name: {', '.join(sorted(found.values()))}")
+    return next(((study, list(overrides)) for study, overrides in found), None)
 
 
 def _unpublished(run: str) -> str:

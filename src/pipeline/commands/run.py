@@ -7,9 +7,10 @@ import os
 import signal
 import subprocess
 import sys
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any
 
+from pipeline.commands.progress import shown, through
 from pipeline.commands.workflow import say, tell
 from pipeline.errors import UserError
 from pipeline.kernel import lock, planfile, publish, registry, store
@@ -59,11 +60,23 @@ def main(arguments: Sequence[str]) -> int:
         return snakemake(["--dry-run", *words])
     publish.own(plan, store.RESULTS)
     with lock.held(store.RESULTS, say) as descriptor:
-        code = snakemake(words, descriptor)
+        code = _swept(plan, words, descriptor) if swept else snakemake(words, descriptor)
         if code == 0:
             # Snakemake itself would say nothing where nothing was to be done.
             for line in tell(plan, [options_.target], store.RESULTS):
                 print(line)
+    return code
+
+
+def _swept(plan: Mapping[str, Any], words: Sequence[str], descriptor: int | None) -> int:
+    """Run the workflow of a sweep, showing how far it is."""
+    quiet = ["--quiet", "rules", "host", "reason", "progress"] if sys.stderr.isatty() else []
+    verbose = "--printshellcmds" in words
+    with shown(plan, store.RESULTS) as made:
+        code = snakemake([*words, *([] if verbose else quiet)], descriptor)
+    runs, nodes = made.done
+    if code:
+        say(f"{runs} of {made.runs} runs, {nodes} of {made.nodes} artefacts are kept; the same command goes on there")
     return code
 
 
@@ -106,7 +119,6 @@ def swept_plan(words: Sequence[str], cores: str) -> dict[str, Any]:
     count = int(cores) if cores.isdecimal() else os.cpu_count() or 1
 
     def made() -> dict[str, Any]:
-        from pipeline.commands.progress import through
         from pipeline.config.sweep import asked, make_sweep
 
         own, wanted = asked(words)

@@ -16,7 +16,7 @@ from rich.table import Table
 
 from pipeline.commands.workflow import say
 from pipeline.errors import UserError
-from pipeline.kernel import digest, lock, planfile, receipts, store
+from pipeline.kernel import digest, lock, planfile, publish, receipts, store
 from pipeline.kernel.store import RESULTS
 
 _UNITS = {"B": 1, "KiB": 2**10, "MiB": 2**20, "GiB": 2**30, "TiB": 2**40}
@@ -149,7 +149,7 @@ def _name(folder: Path) -> str:
 
 
 def _manifests(results: Path) -> list[Path]:
-    return sorted(results.glob("*/*/manifest*.json"))
+    return publish.manifests(results)
 
 
 def _plans(results: Path) -> list[Path]:

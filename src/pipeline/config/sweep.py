@@ -249,7 +249,7 @@ def _sweep(study: str, gathered: _Gathered, asked: Asked, command: str, planner:
         runs=tuple(runs),
         nodes={key: planner.nodes[key] for key in planner.nodes if key in nodes},
         inputs={key: planner.inputs[key] for key in nodes},
-        closing=_closing(study, name, root, columns, runs),
+        closing=_closing(study, name, command, root, columns, runs),
         shown=_shown(planner, runs) if "traces" in asked.keep else {},
         warnings=tuple(warnings),
     )
@@ -271,18 +271,29 @@ def _shown(planner: _Planner, runs: Sequence[sweeps.SweepRun]) -> dict[str, dict
 
 
 def _closing(
-    study: str, name: str, root: Any, columns: Sequence[Mapping[str, str]], runs: Sequence[sweeps.SweepRun]
+    study: str,
+    name: str,
+    command: str,
+    root: Any,
+    columns: Sequence[Mapping[str, str]],
+    runs: Sequence[sweeps.SweepRun],
 ) -> tuple[Draft, ...]:
-    """Return what is made of all runs: the table."""
-    step = registry.steps()["sweep"]
+    """Return what is made of all runs: the table and the page."""
     listed = [
         {"name": run.name, "values": list(run.values), "nodes": {node: f"{run.name}/{node}" for node in run.keys}}
         for run in runs
     ]
-    settings = {"study": study, "sweep": name, "title": root.study.title, "keys": list(columns), "runs": listed}
     inputs = {f"{run.name}/{node}": f"{run.name}/{node}" for run in runs for node in run.keys}
-    shown = {file: file for file in ("runs.parquet", "runs.csv")}
-    return (Draft(step.name, "sweep", f"{study}.{name}", settings, inputs, (), shown, "results", ()),)
+    told = {"study": study, "sweep": name, "title": root.study.title, "keys": list(columns)}
+    files = {file: file for file in ("runs.parquet", "runs.csv")}
+    folder = f"results/{study}/{sweeps.FOLDER}/{name}"
+    of_page = told | {"command": command, "files": [f"{folder}/{file}" for file in files]}
+    table, page = (registry.steps()[step].name for step in ("sweep", "sweep_page"))
+    label = f"{study}.{name}"
+    return (
+        Draft(table, table, label, told | {"runs": listed}, inputs, (), files, "results", ()),
+        Draft(page, page, label, of_page, {table: table}, (), {"*": ""}, "reports", ()),
+    )
 
 
 def _check_names(study: str, runs: Sequence[sweeps.SweepRun]) -> None:

@@ -172,6 +172,11 @@ def _read(results: Path, manifest: Path) -> dict[str, Any]:
     return {"digest": None, "artefacts": []}
 
 
+def manifests(results: Path) -> list[Path]:
+    """Return the manifests of all runs, and sweeps, that a folder shows."""
+    return sorted(path for pattern in ("*/*", "*/sweeps/*") for path in results.glob(f"{pattern}/manifest*.json"))
+
+
 def view_folder(results: Path, run: Mapping[str, Any], room: str) -> Path:
     """Return the folder of a run's view in `results/` or in `reports/` beside it."""
     base = results if room == "results" else results.parent / room
@@ -194,7 +199,7 @@ def _shown(run: Mapping[str, Any], results: Path, item: Mapping[str, Any]) -> It
 
 
 def _manifest(run: Mapping[str, Any], shown: list[dict[str, Any]]) -> dict[str, Any]:
-    return {
+    return ({"sweep": run["sweep"]} if "sweep" in run else {}) | {
         "study": run["study"],
         "run": run["name"],
         "digest": run["digest"],

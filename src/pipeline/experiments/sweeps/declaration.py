@@ -14,8 +14,16 @@ SWEEP = Step(
     takes=("charge",),
     shown=False,
 )
+PAGE = Step(
+    "sweep_page",
+    rule="write_sweep_page",
+    message="Sweep: the page: {chunk}",
+    takes=("sweep",),
+    files=("src/pipeline/experiments/sweeps/*.j2", "src/pipeline/report/*.mplstyle"),
+    shown=False,
+)
 EXPERIMENT = Experiment(
     title="sweeps: the outcomes of many runs",
-    steps=(SWEEP,),
+    steps=(SWEEP, PAGE),
     tells="telling",
 )

@@ -89,3 +89,10 @@ def outcomes(columns: Mapping[str, Any]) -> list[Outcome]:
 def soc(quantity: str) -> float:
     """Return the SOC of a quantity such as `time_to_soc_0.95_s`."""
     return float(quantity.removeprefix(MARKS).removesuffix("_s"))
+
+
+def text(value: Any, factor: float = 1.0) -> str:
+    """Return a value of the table as a person reads it; nothing where it was not reached."""
+    if value is None or (isinstance(value, float) and np.isnan(value)):
+        return ""
+    return f"{factor * value:.5g}" if isinstance(value, float) else str(value)

@@ -8,9 +8,7 @@ from collections.abc import Collection, Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
-import numpy as np
-
-from pipeline.experiments.sweeps.reading import TABLE, outcomes
+from pipeline.experiments.sweeps.reading import TABLE, outcomes, text
 from pipeline.kernel import store
 
 MOST_ROWS = 12
@@ -48,8 +46,8 @@ def lines(run: Mapping[str, Any], steps: Collection[str], results: Path) -> Iter
         table.add_column(escape(f"{mode} {one.title}{_unit(one.unit)}"), justify="right")
     shown = range(found.num_rows) if found.num_rows <= MOST_ROWS else range(MOST_ROWS - 2)
     for row in shown:
-        values = [escape(_text(columns[name][row])) for name in swept]
-        table.add_row(*values, *(_text(columns[one.column][row], one.factor) for one in headlines))
+        values = [escape(text(columns[name][row]) or "-") for name in swept]
+        table.add_row(*values, *(text(columns[one.column][row], one.factor) or "-" for one in headlines))
     if found.num_rows > len(shown):
         table.caption = f"and {found.num_rows - len(shown)} more in the table"
     watched = sys.stdout.isatty()
@@ -58,7 +56,7 @@ def lines(run: Mapping[str, Any], steps: Collection[str], results: Path) -> Iter
     yield from console.export_text(styles=watched).rstrip().splitlines()
     missed = [name for name in found.column_names if name.endswith(".missed")]
     for name in missed:
-        some = [row for row, text in enumerate(columns[name]) if text]
+        some = [row for row, told in enumerate(columns[name]) if told]
         if some:
             first = columns[name][some[0]]
             yield f"{name.removesuffix('.missed')}: {len(some)} of {found.num_rows} runs missed something, as {first}"
@@ -71,9 +69,3 @@ def _title(run: Mapping[str, Any], count: int, comparison: str) -> str:
 
 def _unit(unit: str) -> str:
     return f" [{unit}]" if unit not in ("", "1") else ""
-
-
-def _text(value: Any, factor: float = 1.0) -> str:
-    if value is None or (isinstance(value, float) and np.isnan(value)):
-        return "-"
-    return f"{factor * value:.5g}" if isinstance(value, float) else str(value)

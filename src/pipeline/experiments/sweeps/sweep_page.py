@@ -1,0 +1,76 @@
+"""Sweep page: the table of a sweep in; a page with pictures and a table to sort and to filter out."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+import jinja2
+import pyarrow.parquet as pq
+
+from pipeline.experiments.sweeps import pictures
+from pipeline.experiments.sweeps.reading import TABLE, Outcome, outcomes, text
+from pipeline.kernel.artefacts import Inputs, Output
+from pipeline.report import style
+
+TEMPLATE = Path(__file__).with_name("sweep.html.j2")
+
+
+def run(settings: Mapping[str, Any], inputs: Inputs, output: Output) -> None:
+    """Draw the pictures and write the page."""
+    table = pq.read_table(inputs["sweep"] / TABLE)
+    columns = {name: table.column(name).to_pylist() for name in table.column_names}
+    keys = {one["key"]: one["unit"] for one in settings["keys"]}
+    found = outcomes(columns)
+    comparisons: dict[str, list[Outcome]] = {}
+    for one in found:
+        comparisons.setdefault(one.charge.rpartition(".")[0], []).append(one)
+    drawn = []
+    for comparison, own in comparisons.items() if keys else ():
+        name = f"sweep_{comparison}" if comparison else "sweep"
+        with style.active():
+            style.save(pictures.draw(keys, own, columns), output.folder, name)
+        drawn.append({"file": f"{name}.svg", "title": comparison or "the modes"})
+    missed = [name for name in columns if name.endswith(".missed") and any(columns[name])]
+    page = _environment().from_string(TEMPLATE.read_text(encoding="utf-8"))
+    (output.folder / "index.html").write_text(
+        page.render(
+            study=settings["study"],
+            name=settings["sweep"],
+            title=settings["title"],
+            command=settings["command"],
+            count=table.num_rows,
+            pictures=drawn,
+            heads=["run", *(_named(key, unit) for key, unit in keys.items()), *map(_head, found), *missed],
+            rows=[
+                [
+                    _cell(columns["run"][row]),
+                    *(_cell(columns[key][row]) for key in keys),
+                    *(_cell(columns[one.column][row], one.factor) for one in found),
+                    *(_cell(columns[name][row] or "") for name in missed),
+                ]
+                for row in range(table.num_rows)
+            ],
+            files=settings["files"],
+        ),
+        encoding="utf-8",
+    )
+
+
+def _environment() -> jinja2.Environment:
+    return jinja2.Environment(autoescape=True, undefined=jinja2.StrictUndefined, trim_blocks=True, lstrip_blocks=True)
+
+
+def _cell(value: Any, factor: float = 1.0) -> tuple[str, str]:
+    """Return what a cell shows, and by what it is sorted where that is a number."""
+    number = "" if isinstance(value, str | bool | None) else repr(factor * value)
+    return text(value, factor), number
+
+
+def _head(one: Outcome) -> str:
+    return _named(f"{one.charge} {one.title}", one.unit)
+
+
+def _named(name: str, unit: str) -> str:
+    return f"{name} [{unit}]" if unit not in ("", "1") else name
