@@ -231,7 +231,12 @@ def _sweep(study: str, gathered: _Gathered, asked: Asked, command: str, planner:
     _check_names(study, runs)
     name = asked.name or _derived(short.values(), [run.overrides for run in runs])
     columns = [
-        {"key": key, "unit": _unit(root, key, [run.values[n] for run in runs]), "description": f"swept: {key}"}
+        {
+            "key": key,
+            "short": short[key],
+            "unit": _unit(root, key, [run.values[n] for run in runs]),
+            "description": f"swept: {key}",
+        }
         for n, key in enumerate(keys)
     ]
     warnings = list(dict.fromkeys(line for _, _, made in gathered.runs for line in made.warnings))

@@ -24,7 +24,7 @@ def draw(keys: Mapping[str, str], outcomes: Sequence[Outcome], columns: Columns)
 
     Arguments
     ---------
-    keys : swept keys -> their units.
+    keys : swept keys -> what they are called, with the unit.
     outcomes : what is looked at first, mode by mode.
     columns : column of the table -> values.
     """
@@ -50,7 +50,7 @@ def _lines(keys: Mapping[str, str], outcomes: Sequence[Outcome], columns: Column
             line = "" if labels else mark.line
             shown = {"color": mark.colour, "linestyle": line, "marker": mark.marker if labels else marker}
             axes.plot(places[order], values, label=one.charge, **shown)
-        axes.set(xlabel=_named(key, keys[key]), ylabel=_named(title, unit))
+        axes.set(xlabel=keys[key], ylabel=_named(title, unit))
         _ticks(axes, labels)
     lines, names = fields[0].get_legend_handles_labels()
     drawing.legend(lines, names, loc="outside upper center", ncols=min(4, len(names)))
@@ -80,10 +80,11 @@ def _maps(keys: Mapping[str, str], outcomes: Sequence[Outcome], columns: Columns
     for axes, charge in zip(fields[0], charges, strict=True):
         axes.set_title(charge)
     for axes in fields[-1]:
-        axes.set_xlabel(_named(across, keys[across]))
+        axes.set_xlabel(keys[across])
         _some(axes.xaxis, x_labels)
+        _slant(axes, x_labels)
     for axes in fields[:, 0]:
-        axes.set_ylabel(_named(up, keys[up]))
+        axes.set_ylabel(keys[up])
         _some(axes.yaxis, y_labels)
     return drawing
 
@@ -96,8 +97,8 @@ def _parallel(keys: Mapping[str, str], outcomes: Sequence[Outcome], columns: Col
     drawing = style.figure(0.4 + 2.6 * len(charges))
     for axes, charge in zip(drawing.subplots(len(charges), 1, squeeze=False)[:, 0], charges, strict=True):
         own = [one for one in outcomes if one.charge == charge]
-        scales = [_scale(key, keys[key], *_places(columns[key])) for key in keys]
-        scales += [_scale(one.title, one.unit, _numbers(one, columns), []) for one in own]
+        scales = [_scale(keys[key], *_places(columns[key])) for key in keys]
+        scales += [_scale(_named(one.title, one.unit), _numbers(one, columns), []) for one in own]
         heights = np.array([scale[1] for scale in scales])
         whole = np.isfinite(heights).all(axis=0)
         lines = np.stack([np.broadcast_to(np.arange(len(scales))[:, None], heights.shape), heights], axis=-1)
@@ -113,16 +114,14 @@ def _parallel(keys: Mapping[str, str], outcomes: Sequence[Outcome], columns: Col
     return drawing
 
 
-def _scale(
-    name: str, unit: str, values: NDArray[np.float64], labels: Sequence[str]
-) -> tuple[str, NDArray[np.float64], str, str]:
+def _scale(name: str, values: NDArray[np.float64], labels: Sequence[str]) -> tuple[str, NDArray[np.float64], str, str]:
     """Return the title of an axis, the heights of values on it from 0 to 1, and what stands at its ends."""
     finite = values[np.isfinite(values)]
     low, high = (float(finite.min()), float(finite.max())) if finite.size else (0.0, 0.0)
     heights = (values - low) / (high - low) if high > low else np.where(np.isfinite(values), 0.5, np.nan)
     ends = (labels[0], labels[-1]) if labels else (f"{low:.4g}", f"{high:.4g}")
-    title = name.replace(".", ".\n") if len(name) > 14 else name
-    return _named(title, unit), heights, *ends
+    title = name.replace(".", ".\n").replace(" ", "\n") if len(name) > 14 else name
+    return title, heights, *ends
 
 
 def _numbers(one: Outcome, columns: Columns) -> NDArray[np.float64]:
@@ -154,6 +153,12 @@ def _text(value: Any) -> str:
 def _ticks(axes: Axes, labels: Sequence[str]) -> None:
     if labels:
         _some(axes.xaxis, labels)
+        _slant(axes, labels)
+
+
+def _slant(axes: Axes, labels: Sequence[str]) -> None:
+    """Turn names at an axis that would run into each other."""
+    if max(map(len, labels), default=0) > 6:
         axes.tick_params(axis="x", rotation=30)
 
 

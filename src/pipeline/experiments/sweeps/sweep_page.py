@@ -21,7 +21,7 @@ def run(settings: Mapping[str, Any], inputs: Inputs, output: Output) -> None:
     """Draw the pictures and write the page."""
     table = pq.read_table(inputs["sweep"] / TABLE)
     columns = {name: table.column(name).to_pylist() for name in table.column_names}
-    keys = {one["key"]: one["unit"] for one in settings["keys"]}
+    keys = {one["key"]: _named(one["short"], one["unit"]) for one in settings["keys"]}
     found = outcomes(columns)
     comparisons: dict[str, list[Outcome]] = {}
     for one in found:
@@ -42,7 +42,7 @@ def run(settings: Mapping[str, Any], inputs: Inputs, output: Output) -> None:
             command=settings["command"],
             count=table.num_rows,
             pictures=drawn,
-            heads=["run", *(_named(key, unit) for key, unit in keys.items()), *map(_head, found), *missed],
+            heads=["run", *keys.values(), *map(_head, found), *missed],
             rows=[
                 [
                     _cell(columns["run"][row]),
