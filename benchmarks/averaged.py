@@ -7,8 +7,11 @@ against the edge driver: charge and energy put in, and the rise in temperature.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator, Sequence
+from functools import partial
 from typing import NamedTuple
+
+import numpy as np
 
 from benchmarks import common_model, sheets
 from benchmarks.peers import engine
@@ -18,7 +21,7 @@ from pipeline.charge.records import ChargeSettings, EngineSettings, Mode
 from pipeline.charge.simulate import BENCH, Charge, Task, simulate, simulate_many, warm_up
 
 PACKAGES = ("numba",)
-SECONDS, SIZE = 3600.0, 64
+SECONDS, SIZE = 3600.0, 256
 DRIVERS = ("averaged", "edge")
 FREQUENCIES = (20.0, 90.0, 500.0)
 ERROR_ASKED = 1e-6
@@ -60,7 +63,7 @@ def rows() -> list[Row]:
         name = f"averaged, {case.name}: {FREQUENCIES[-1]:g} Hz"
         peer = f"the same at {FREQUENCIES[0]:g} Hz"
         made.append(compared(name, peer, walls["fast"], walls["slow"], case.flat, "at most"))
-    return [*made, _population()]
+    return [*made, *_populations()]
 
 
 def _solver(case: Case, frequency_hz: float, driver: str) -> Callable[[], object]:
@@ -94,14 +97,46 @@ def _against_edge(case: Case, frequency_hz: float, compile_s: float) -> list[Row
     return [row, compared(f"{name}, whole simulate", "edge, whole simulate", walls["whole"], walls["whole edge"])]
 
 
-def _population() -> Row:
-    battery, mode = sheets.battery("lead_acid_12v7ah"), sheets.reflex(SECONDS)
-    tasks = [_task(battery, mode, 0.5 + 0.45 * n / SIZE) for n in range(SIZE)]
-    runs = {"together": lambda: simulate_many(tasks), "one by one": lambda: [simulate(*task) for task in tasks]}
-    runs["together"]()
-    walls = interleaved(runs)
-    return compared(f"{SIZE} charges of an hour together", "one by one", walls["together"], walls["one by one"])
+def _populations() -> Iterator[Row]:
+    """Yield a charge of a population against the same by itself, and two threads against one.
+
+    The batteries are the common model with its resistances, time constants and heat capacity scattered by a fifth. The
+    summary of each charge is read, tables are not.
+    """
+    random = np.random.default_rng(1)
+    batteries = [_scattered(common_model.battery(), random.uniform(0.8, 1.2, 4)) for _ in range(SIZE)]
+    for name, limit_v, figure in (("unclipped", None, Figure(2.5)), ("clipped", 12.35, None)):
+        mode = sheets.reflex(SECONDS, limit_v=limit_v)
+        tasks = [_task(battery, mode) for battery in batteries]
+        runs: dict[str, Callable[[], object]] = {
+            "two threads": partial(_read, tasks, 2),
+            "one thread": partial(_read, tasks, 1),
+            "one by one": partial(_one_by_one, tasks),
+        }
+        runs["two threads"]()
+        one = {run: times.scaled(1.0 / SIZE) for run, times in interleaved(runs).items()}
+        title = f"a charge among {SIZE} of an hour, {name}"
+        yield compared(title, "by itself", one["two threads"], one["one by one"], figure)
+        yield compared(f"{title}, two threads", "one thread", one["two threads"], one["one thread"], Figure(1.7))
 
 
-def _task(battery: Battery, mode: Mode, soc: float) -> Task:
-    return Task(battery, mode, BENCH, ChargeSettings(initial_soc=soc, ambient_c=25.0), EngineSettings())
+def _read(tasks: Sequence[Task], threads: int) -> list[object]:
+    return [charge.summary for charge in simulate_many(tasks, threads)]
+
+
+def _one_by_one(tasks: Sequence[Task]) -> list[object]:
+    return [simulate(*task).summary for task in tasks]
+
+
+def _scattered(battery: Battery, factors: Sequence[float]) -> Battery:
+    sheet = battery.model_dump(mode="json", exclude_none=True)
+    sheet["series_resistance_ohm"] *= factors[0]
+    for pair in sheet["pairs"].values():
+        pair["resistance_ohm"] *= factors[1]
+        pair["time_constant_s"] *= factors[2]
+    sheet["thermal"]["heat_capacity_j_k"] *= factors[3]
+    return Battery.model_validate(sheet)
+
+
+def _task(battery: Battery, mode: Mode) -> Task:
+    return Task(battery, mode, BENCH, ChargeSettings(initial_soc=0.3, ambient_c=25.0), EngineSettings())

@@ -249,6 +249,10 @@ def test_an_open_reference_is_refused_as_alone():
         simulate_many([one, one._replace(mode=open_mode)])
     with pytest.raises(UserError, match="still to be found by 'search'"):
         simulate_many([*tasks(), one._replace(mode=open_mode)])
+    # It says nothing of whether the charge is possible.
+    for others in ([], tasks()):
+        with pytest.raises(UserError, match="still to be found by 'search'"):
+            try_many([*others, one._replace(mode=open_mode)])
 
 
 def test_one_sheet_is_looked_at_once_for_a_population(monkeypatch):

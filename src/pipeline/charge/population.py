@@ -58,8 +58,16 @@ AHEAD = 2
 """Blocks that are prepared before the charges of the first are wanted."""
 _CHUNKS = 8
 
-Failure = Exception
 Alone = Callable[[Task], Charge]
+
+
+class Refused(NamedTuple):
+    """What the check of a charge raised: battery, mode and conditions do not fit each other."""
+
+    fault: Exception
+
+
+Failure = Exception | Refused
 
 
 class _Run(NamedTuple):
@@ -162,7 +170,7 @@ def charge_many(tasks: Sequence[Task], threads: int, alone: Alone) -> Iterator[C
     """
     with ThreadPoolExecutor(max_workers=threads) as pool:
         if len(tasks) < FEW:
-            yield from pool.map(partial(_attempt, alone), tasks)
+            yield from pool.map(partial(_check_and_attempt, alone), tasks)
             return
         known, desks = _Known(), SimpleQueue[Desk]()
         for _ in range(threads):
@@ -175,6 +183,19 @@ def charge_many(tasks: Sequence[Task], threads: int, alone: Alone) -> Iterator[C
                 yield from under_way.popleft()()
         while under_way:
             yield from under_way.popleft()()
+
+
+def _check_and_attempt(alone: Alone, task: Task) -> Charge | Failure:
+    refused = _refused(task)
+    return _attempt(alone, task) if refused is None else refused
+
+
+def _refused(task: Task) -> Refused | None:
+    try:
+        check(task.battery, task.mode, task.settings)
+    except FAULTS as fault:
+        return Refused(fault)
+    return None
 
 
 def _attempt(alone: Alone, task: Task) -> Charge | Failure:
@@ -305,13 +326,8 @@ def _failures(tasks: Sequence[Task], known: _Known, sheets: Sequence[int], batte
     for (number, group), members in groups.items():
         clear = [n for n in members if n not in doubtful]
         doubtful |= set(known.sheets[number].doubtful(group, np.array(clear, dtype=np.int64), looked))
-    failures: dict[int, Failure] = {}
-    for n in sorted(doubtful):
-        try:
-            check(tasks[n].battery, tasks[n].mode, tasks[n].settings)
-        except FAULTS as fault:
-            failures[n] = fault
-    return failures
+    checked = {n: _refused(tasks[n]) for n in doubtful}
+    return {n: refused for n, refused in checked.items() if refused is not None}
 
 
 def _lot(tasks: Sequence[Task], runs: Sequence[_Run], known: _Known, batteries: _Batteries) -> Lot:

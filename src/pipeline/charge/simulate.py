@@ -18,7 +18,7 @@ from pipeline.charge.controller import Control, compile_control
 from pipeline.charge.lot import run_lot
 from pipeline.charge.outcome import Outcome
 from pipeline.charge.period import Clock, new_clock, run_periods
-from pipeline.charge.population import FEW, charge_many
+from pipeline.charge.population import FEW, Refused, charge_many
 from pipeline.charge.program import Program, compile_program
 from pipeline.charge.protocol import resolve
 from pipeline.charge.record_keeping import Book
@@ -84,29 +84,38 @@ def simulate_many(tasks: Iterable[Task], threads: int | None = None) -> list[Cha
     """
     charges: list[Charge] = []
     for found in _attempts(tasks, threads):
-        if isinstance(found, Exception):
-            raise found
-        charges.append(found)
+        if isinstance(found, Charge):
+            charges.append(found)
+        else:
+            raise found.fault if isinstance(found, Refused) else found
     return charges
 
 
 def try_many(
     tasks: Iterable[Task], refusals: tuple[type[Exception], ...] = (UserError,), threads: int | None = None
 ) -> list[Charge | Exception]:
-    """Do as `simulate_many` for charges that may not be possible; what is refused stands in the charge's place.
+    """Do as `simulate_many` for charges that may not be possible: what `check` says of one stands in its place.
 
     Arguments
     ---------
-    refusals : the errors that are returned and not raised.
+    refusals : what `check` may raise and is returned.
+
+    Raises
+    ------
+    UserError, EngineError : as `simulate`, for the first charge that fails otherwise.
     """
-    found = list(_attempts(tasks, threads))
-    for one in found:
-        if isinstance(one, Exception) and not isinstance(one, refusals):
-            raise one
-    return found
+    charges: list[Charge | Exception] = []
+    for found in _attempts(tasks, threads):
+        if isinstance(found, Charge):
+            charges.append(found)
+        elif isinstance(found, Refused) and isinstance(found.fault, refusals):
+            charges.append(found.fault)
+        else:
+            raise found.fault if isinstance(found, Refused) else found
+    return charges
 
 
-def _attempts(tasks: Iterable[Task], threads: int | None) -> Iterator[Charge | Exception]:
+def _attempts(tasks: Iterable[Task], threads: int | None) -> Iterator[Charge | Refused | Exception]:
     count = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else (os.cpu_count() or 1)
     return charge_many(list(tasks), threads or count, lambda task: simulate(*task))
 
