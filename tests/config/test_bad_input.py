@@ -20,7 +20,7 @@ BULK = f"{REFLEX}.phases.bulk.until"
 ONLY = "modes.cc_cv.phases.charge.until={{{}}}"
 
 BATTERY = [
-    ("battery.capacity_ah=-7", "capacity_ah: .*greater than 0"),
+    ("battery.capacity_ah=-7", "capacity_ah: .*more than 0"),
     ("battery.capacity_ah=.nan", "capacity_ah: .*number"),
     ("battery.series_resistance_ohm=-0.01", "series_resistance_ohm is -0.01 ohm at SOC 0; it must be 0 or greater"),
     (
@@ -28,13 +28,13 @@ BATTERY = [
         "series_resistance_ohm is -0.006 ohm at SOC 0; it must be 0 or greater",
     ),
     ("battery.pairs.fast.resistance_ohm=-0.001", "pairs.fast.resistance_ohm is -0.001 ohm"),
-    ("battery.pairs.fast.time_constant_s=0", "time_constant_s: .*greater than 0"),
+    ("battery.pairs.fast.time_constant_s=0", "time_constant_s: .*more than 0"),
     ("battery.open_circuit_voltage_v=-2", "open_circuit_voltage_v is -2 V at SOC 0.5"),
     ("battery.open_circuit_voltage_v.polynomial=[2.15,0.5]", "open_circuit_voltage_v .*may not fall while charging"),
     ("battery.entropic_coefficient_v_k=5", "entropic_coefficient_v_k comes to 5 V/K; allowed is less than 0.00693 V/K"),
-    ("battery.side_reaction.current_a=-1", "side_reaction.current_a: .*greater than 0"),
-    ("battery.thermal.heat_capacity_j_k=0", "heat_capacity_j_k: .*greater than 0"),
-    ("charge.ambient_c=-300", "ambient_c: .*greater than or equal to -40"),
+    ("battery.side_reaction.current_a=-1", "side_reaction.current_a: .*more than 0"),
+    ("battery.thermal.heat_capacity_j_k=0", "heat_capacity_j_k: .*more than 0"),
+    ("charge.ambient_c=-300", "ambient_c: .*-40 or more"),
     ("charge.initial_soc=1.2", "initial_soc: .*less than 1"),
 ]
 ZERO_LENGTH = [
@@ -50,10 +50,10 @@ ZERO_LENGTH = [
     ("+modes.cc_cv.stop.voltage_v=9", r"stop\.voltage_v: 9 V is met at the start"),
     ("+modes.cc_cv.stop.current_a=3", r"stop\.current_a: 3 A, but the current is never above 2.1 A"),
     (f"{REFLEX}.charge_share=0", "charge_share: 0 is not a share of the period"),
-    ("charge.windows=[{start_s: 0, length_s: 0}]", "length_s: .*greater than 0"),
+    ("charge.windows=[{start_s: 0, length_s: 0}]", "length_s: .*more than 0"),
 ]
 FREQUENCIES = [
-    (f"{REFLEX}.frequency_hz=0", r"override modes.cv_reflex.frequency_hz=0: .*frequency_hz: 0; .*greater than 0"),
+    (f"{REFLEX}.frequency_hz=0", r"override modes.cv_reflex.frequency_hz=0: .*frequency_hz: 0; .*more than 0"),
     (f"{REFLEX}.frequency_hz=3000", "3000 Hz; the shortest part of a pulse, .*up to 2500 Hz"),
     # A period no longer than a switching period of 20 us, and than two of them.
     (f"{REFLEX}.frequency_hz=50000", "50000 Hz"),
@@ -72,7 +72,7 @@ FORMS = [
     ("modes.cc_cv.voltage_v=abc", "value 'abc' is none of its forms; allowed is a number or {from, value}$"),
     ("battery.series_resistance_ohm=abc", "value 'abc' is none of .* a number or {polynomial} or .* or {soc, value}$"),
     ("+battery.series_resistance_ohm.soc=[0,0.5,1]", "the keys polynomial, soc make none of its forms; allowed is a"),
-    ("battery.series_resistance_ohm={soc: [0, 1], value: [1, 2]}", "value: List should have at least 3 items"),
+    ("battery.series_resistance_ohm={soc: [0, 1], value: [1, 2]}", "value: value \\[1, 2\\]; allowed is a list of 3 or more"),
     ("battery.pairs.fast=2", "value 2; allowed is a mapping, {resistance_ohm, time_constant_s}$"),
     ("trackers.constant_voltage.kind=Perturb_Observ", "kind is 'Perturb_Observ'; best matches are: perturb_observe"),
     ("trackers.constant_voltage={kind: constant_voltage}", r"gain: missing; share of the error in the voltage"),
@@ -81,9 +81,9 @@ FORMS = [
 ]
 ENGINE = [
     ("engine.driver=averged", "driver: .*'auto', 'edge' or 'averaged'"),
-    ("engine.tolerance=0", "tolerance: .*greater than 0"),
-    ("engine.maximum_step_s=0", "maximum_step_s: .*greater than or equal to 0.001"),
-    ("engine.maximum_steps=0", "maximum_steps: .*greater than or equal to 1"),
+    ("engine.tolerance=0", "tolerance: .*more than 0"),
+    ("engine.maximum_step_s=0", "maximum_step_s: .*0.001 or more"),
+    ("engine.maximum_steps=0", "maximum_steps: .*1 or more"),
 ]
 
 

@@ -17,7 +17,7 @@ from pipeline.errors import UserError
     [
         ("modes.cv_pulse.phases.bulk.constant_voltage=7", r"phases\.bulk: constant_voltage is 7; allowed is a mapping"),
         ("modes.cv_pulse.phases.bulk.constant_voltage=true", "constant_voltage is True; allowed is a mapping"),
-        ("modes.grnn.title=7", r"modes\.grnn\.title: Input should be a valid string"),
+        ("modes.grnn.title=7", r"modes\.grnn\.title: value 7; allowed is a text"),
         ("modes.plain_rule={from: search, value: nonesuch}", "modes.plain_rule has no key 'from'"),
         ("modes.cv_pulse.frequency_hz.from=1", "modes.cv_pulse.frequency_hz has no key 'from'"),
         ("day.weathers.clear.air=[1,2]", "a list and a mapping cannot be put together"),
@@ -27,7 +27,7 @@ from pipeline.errors import UserError
         ("+sources.x=1", r"sources\.x: no such value"),
         ("~modes", "Could not delete 'modes'"),
         ("battery.capacity=7", "battery has no key 'capacity'; best matches are: capacity_ah"),
-        ("study.title=[" + "x," * 3000 + "x]", "valid string"),
+        ("study.title=[" + "x," * 3000 + "x]", "allowed is a text"),
         ("+figures.energy_by_loss_path.comparison=nonesuch", r"no comparison 'nonesuch' in this run; known are: same_"),
         ("+figures.energy_by_loss_path.reads=[]", "reads: unknown key"),
         ("+figures.energy_by_loss_path.module=pipeline.experiments.x.figures.y", "module is found by the name"),

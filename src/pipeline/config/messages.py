@@ -140,12 +140,41 @@ def _sentence(mistake: Any, path: list[str], parent: Any, model: type[BaseModel]
     if kind == "union_tag_invalid":
         key, tag, tags = (str(mistake["ctx"][name]) for name in ("discriminator", "tag", "expected_tags"))
         return f"{_bare(key)} is {tag!r}; {best_matches(tag, map(_bare, tags.split(',')))}"
+    allowed = _allowed(kind, mistake.get("ctx", {}))
+    if allowed is not None:
+        return f"value {short(value)}; allowed is {allowed}"
     message = message.removeprefix("Value error, ")
     shown = f" (value {short(value)})" if not isinstance(value, Mapping | list | BaseModel) else ""
     if kind == "literal_error" and isinstance(value, str):
         allowed = mistake["ctx"]["expected"].replace(" or ", ",").split(",")
         return f"{message}{shown}; {best_matches(value, map(_bare, allowed))}"
     return f"{message}{shown}"
+
+
+def _allowed(kind: str, bounds: Mapping[str, Any]) -> str | None:
+    """Return what is allowed where pydantic refused by a kind of its own, in words; None where a record says it."""
+    words = {
+        "greater_than": "more than {gt:g}",
+        "greater_than_equal": "{ge:g} or more",
+        "less_than": "less than {lt:g}",
+        "less_than_equal": "{le:g} or less",
+        "finite_number": "a finite number",
+        "multiple_of": "a multiple of {multiple_of:g}",
+        "string_too_short": "a text of {min_length} letters or more",
+        "string_too_long": "a text of {max_length} letters at most",
+        "too_short": "a list of {min_length} or more",
+        "too_long": "a list of {max_length} at most",
+        **dict.fromkeys(("float_type", "float_parsing"), "a number"),
+        **dict.fromkeys(("int_type", "int_parsing", "int_from_float", "int_parsing_size"), "a whole number"),
+        **dict.fromkeys(("string_type",), "a text"),
+        **dict.fromkeys(("bool_type", "bool_parsing"), "true or false"),
+        **dict.fromkeys(("list_type", "tuple_type"), "a list"),
+        **dict.fromkeys(("dict_type", "mapping_type"), "a mapping of names to values"),
+    }
+    try:
+        return words[kind].format(**bounds) if kind in words else None
+    except (ValueError, TypeError):  # a bound that is no number
+        return None
 
 
 def short(value: Any) -> str:

@@ -200,7 +200,7 @@ def check(panel_power_w: float, panel_voltage_v: float, chain: PowerChain, load:
             f"converter.bus_voltage_v is {chain.bus_voltage_v:g} V; a boost converter needs a bus above the panel's "
             f"voltage at maximum power, {panel_voltage_v:g} V; a usual bus that fits is "
             f"converter.bus_voltage_v={fitting_bus_v(panel_voltage_v):g}, from which the buck converter steps down to "
-            "the battery; where panels are in series, fewer of them fit too: panel.panels_in_series=1"
+            "the battery; fewer panels in series (panel.panels_in_series) have a lower voltage too"
         )
     bus_w = panel_power_w * chain.tracker_efficiency * _most(chain.boost)
     if load.power_w >= bus_w:
