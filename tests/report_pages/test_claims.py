@@ -29,7 +29,14 @@ def test_the_matrix_holds_every_verdict_once() -> None:
     ((basis, heads, rows),) = matrix(claims(columns, {}, {}, []))
     assert (basis, heads) == ("our model", ["as stated", "same peak", "same mean"])
     assert sorted(one.name for _, cells in rows for cell in cells for one in cell) == sorted(names)
-    assert [len(cells) for _, cells in rows] == [3] * 4
+    assert [len(cells) for _, cells in rows] == [3] * 5
+    assert [claim.name for claim, _ in rows][2:4] == ["C: by share", "C: by count"]
+
+
+def test_readings_whose_names_share_nothing_are_called_by_their_names() -> None:
+    columns = of(verdict_columns("holds", "holds"), statement=["charge_equal", "energy_equal"], says=["a", "a"])
+    ((_, _, rows),) = matrix(claims(columns, {}, {}, []))
+    assert [claim.name for claim, _ in rows] == ["Charge equal", "Energy equal"]
 
 
 def test_a_margin_of_less_than_a_hundredth_is_a_close_call() -> None:

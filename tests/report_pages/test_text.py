@@ -35,15 +35,18 @@ def test_units_in_prose() -> None:
 
 
 def test_decimal_points_of_a_column_stand_in_one_line() -> None:
-    found = column([1.25, 10, 100.5, None])
-    assert [text.strip() for text in found] == ["1.25", "10", "100.5", "–"]
-    ends = [len(text) - len(text.split(".")[0].rstrip(" \u2007\u2008").rstrip()) for text in found[:3]]
-    assert ends == [3, 3, 3]
+    found = column([1.25, 10, 100.5, None, "never", 2.5e9])
+    assert [one.text for one in found] == ["1.25", "10", "100.5", "–", "never", "2.5 × 10⁹"]
+    assert [one.room for one in found] == ["", ".00", "0", ".00", "", ""]
+
+
+def test_whole_numbers_need_no_room() -> None:
+    assert [one.room for one in column([1, 20, 300])] == ["", "", ""]
 
 
 def test_what_rounding_left_over_is_about_nothing() -> None:
-    assert [text.strip() for text in column([100.0, 2.2204e-14, 0.0])] == ["100", "≈ 0", "0"]
-    assert [text.strip() for text in column([1e-13, 2.2204e-14])] == ["1 × 10⁻¹³", "2.22 × 10⁻¹⁴"]
+    assert [one.text for one in column([100.0, 2.2204e-14, 0.0])] == ["100", "≈ 0", "0"]
+    assert [one.text for one in column([1e-13, 2.2204e-14])] == ["1 × 10⁻¹³", "2.22 × 10⁻¹⁴"]
 
 
 @pytest.mark.parametrize(
@@ -81,7 +84,7 @@ def test_names_within_a_sentence_become_words_and_paths_stay(text: str, told: st
 def test_a_unit_stands_once_in_a_row() -> None:
     rows = (("peak_temperature_c", "degC", 49.5), ("end_soc", "1", 1.0))
     shown = view(ReportTable("t", "T", "", ("quantity", "unit", "CC-CV"), rows))
-    assert [[cell.strip() for cell in row] for row in shown.groups[0][1]] == [
+    assert [[cell.text for cell in row] for row in shown.groups[0][1]] == [
         ["Peak temperature", "°C", "49.5"],
         ["End SOC", "", "1"],
     ]

@@ -41,11 +41,22 @@ def test_the_view_holds_what_the_manifest_lists(project: Project) -> None:
     assert manifest["command"] == "snakemake --cores 2 solar_reflex"
 
 
-def test_the_page_stands_alone(project: Project) -> None:
-    page = (project.folder / "reports/solar_reflex/default/index.html").read_text()
-    assert "<script" not in page
-    assert 'src="http' not in page
-    assert "<link" not in page
+def test_the_page_needs_nothing_but_what_is_beside_it(project: Project) -> None:
+    folder = project.folder / "reports/solar_reflex/default"
+    page = (folder / "index.html").read_text()
+    needed = re.findall(r'\bsrc="([^"]*)"', page)
+    assert {"run.js", "../../reports.js"} < set(needed)
+    assert all((folder / name).is_file() for name in needed)
+    assert re.findall(r'<link [^>]*href="(data:image)?', page) == ["data:image"]
+
+
+def test_the_front_page_leads_to_the_run_and_tells_how_it_was_made(project: Project) -> None:
+    reports = project.folder / "reports"
+    assert 'href="solar_reflex/default/index.html"' in (reports / "index.html").read_text()
+    assert '"snakemake --cores 2 solar_reflex"' in (reports / "solar_reflex/default/run.js").read_text()
+    places = {entry["path"] for entry in _manifest(project)["artefacts"]}
+    assert "reports/solar_reflex/default/card.json" in places
+    assert not {place for place in places if place.endswith(("run.js", "reports.js", "reports/index.html"))}
 
 
 def test_no_artefact_names_the_folder_it_was_made_in(project: Project) -> None:

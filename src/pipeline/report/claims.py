@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 from collections import Counter
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 from pipeline.published.words import BASES, ENOUGH, WORDS
@@ -66,7 +66,7 @@ class Verdict:
 
 @dataclass(frozen=True)
 class Claim:
-    """What a paper says, in its words, with the verdict on every reading of it."""
+    """What a paper says, in its words, with the verdict on every reading of it; `name` is what their names share."""
 
     name: str
     says: str
@@ -130,7 +130,7 @@ def readings(found: Iterable[Claim]) -> list[str]:
 
 
 def matrix(found: Sequence[Claim]) -> list[tuple[str, list[str], list[tuple[Claim, list[Sequence[Verdict]]]]]]:
-    """Return for each basis its readings, and its claims with their verdicts by reading; odd ones as stated."""
+    """Return for each basis its readings, and its claims with their verdicts by reading; odd ones in rows apart."""
     groups: dict[str, list[Claim]] = {}
     for claim in found:
         groups.setdefault(claim.basis, []).append(claim)
@@ -139,9 +139,13 @@ def matrix(found: Sequence[Claim]) -> list[tuple[str, list[str], list[tuple[Clai
         columns = readings(own)
         rows: list[tuple[Claim, list[Sequence[Verdict]]]] = []
         for claim in own:
-            odd = [one for one in claim.verdicts if one.reading not in columns]
-            first, *others = (claim.at(name) for name in columns)
-            rows.append((claim, [[*first, *odd], *others]))
+            cells = [claim.at(name) for name in columns]
+            rows += [(claim, cells)] if any(cells) else []
+            for one in claim.verdicts:
+                if one.reading not in columns:
+                    name = f"{claim.name}: {one.reading}" if claim.name else one.reading
+                    alone = replace(claim, name=name[:1].upper() + name[1:], verdicts=[one])
+                    rows.append((alone, [[one], *([] for _ in columns[1:])]))
         used = [place for place in range(len(columns)) if any(cells[place] for _, cells in rows)]
         tables.append(
             (basis, [columns[place] for place in used], [(claim, [cells[p] for p in used]) for claim, cells in rows])
@@ -230,7 +234,7 @@ def _readings(names: Sequence[str]) -> list[str]:
 
 def _title(names: Sequence[str]) -> str:
     same = _shared(names) if len(names) > 1 else None
-    return "_".join(names[0].split("_")[:same]) or names[0]
+    return "_".join(names[0].split("_")[:same])
 
 
 def called(text: str, names: Mapping[str, str]) -> str:
@@ -244,6 +248,7 @@ def _written(name: str, names: Mapping[str, str]) -> str:
     """Return an identifier as people write it."""
     name = called(name, names)
     name = re.sub(r"(?<=\d)_(?=\d)", ".", name)
+    name = re.sub(r"(?<![a-z0-9])cc_cv(?![a-z0-9])", "CC-CV", name)
     return re.sub(r"\bhz\b", "Hz", re.sub(r"\b(\d+)c\b", r"\1C", words(name)))
 
 

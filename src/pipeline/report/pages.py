@@ -136,11 +136,11 @@ class PageContent:
 
 
 class TableView(NamedTuple):
-    """A table as it is printed: header, whether each column holds numbers, and rows of texts by group."""
+    """A table as it is printed: header, whether each column holds numbers, and rows of cells by group."""
 
     header: list[str]
     numeric: list[bool]
-    groups: list[tuple[str, list[tuple[str, ...]]]]
+    groups: list[tuple[str, list[tuple[text.Printed, ...]]]]
     rows: int
 
 
@@ -209,19 +209,19 @@ def card(content: PageContent, departs: Sequence[str] = ()) -> dict[str, Any]:
 def view(table: ReportTable) -> TableView:
     """Return a table as it is printed: names as words, decimal points in one line, grouped rows under a heading."""
     with_unit = "unit" not in table.header
-    texts = [
-        text.column(cells) if numeric else [text.label(cell, with_unit) for cell in cells]
+    columns = [
+        text.column(cells) if numeric else [text.Printed(text.label(cell, with_unit)) for cell in cells]
         for cells, numeric in zip(zip(*table.rows, strict=True), table.numeric(), strict=False)
     ]
-    texts = [[text.symbols(text.spelt(cell)) for cell in cells] for cells in texts]
-    rows = list(zip(*texts, strict=True))
-    header, numeric = [text.symbols(text.label(name)) for name in table.header], table.numeric()
-    if table.header and "unit" in table.header:
+    if not with_unit and columns:
         place = table.header.index("unit")
-        rows = [tuple("" if at == place and cell == "1" else cell for at, cell in enumerate(row)) for row in rows]
+        columns[place] = [cell._replace(text=text.unit(cell.text)) for cell in columns[place]]
+    columns = [[cell._replace(text=text.symbols(text.spelt(cell.text))) for cell in cells] for cells in columns]
+    rows = list(zip(*columns, strict=True))
+    header, numeric = [text.symbols(text.label(name)) for name in table.header], table.numeric()
     if not table.grouped:
         return TableView(header, numeric, [("", rows)], len(rows))
-    groups = [(name, [row[1:] for row in own]) for name, own in groupby(rows, lambda row: row[0])]
+    groups = [(name, [row[1:] for row in own]) for name, own in groupby(rows, lambda row: row[0].text)]
     return TableView(header[1:], numeric[1:], groups, len(rows))
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import re
 from collections.abc import Sequence
-from typing import Any
+from typing import Any, NamedTuple
 
 from pipeline.report.tables import Cell, plain
 
@@ -15,7 +15,6 @@ ROUNDING = 1e-11
 """Share of the largest number of a column below which another is what rounding left over."""
 NOTHING = "–"
 _EXPONENT = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
-_FIGURE_SPACE, _POINT_SPACE = " ", " "
 _NAME = re.compile(r"[A-Za-z][A-Za-z0-9]*(?:_[A-Za-z0-9.]+)+")
 _WITHIN = re.compile(r"(?<![\w./=-])[A-Za-z][A-Za-z0-9]*(?:_[A-Za-z0-9]+)+(?![\w/=-])(?!\.\w)")
 """A name within a sentence; not a part of a path, of a key path, or of an override."""
@@ -28,7 +27,7 @@ _ENDINGS = {
 }  # fmt: skip
 _WORDS = {
     "soc": "SOC", "ise": "ISE", "mse": "MSE", "anfis": "ANFIS", "grnn": "GRNN", "cv": "CV", "cc": "CC", "dt": "dt",
-    "w": "W", "c1": "C1", "c2": "C2", "p": "p", "r": "r",
+    "w": "W", "pid": "PID", "ga": "GA", "rbf": "RBF", "c1": "C1", "c2": "C2", "p": "p", "r": "r",
 }  # fmt: skip
 
 
@@ -54,29 +53,37 @@ def _signed(text: str) -> str:
     return "0" if text == "-0" else text.replace("-", "−")
 
 
-def column(cells: Sequence[Cell]) -> list[str]:
-    """Return the cells of a column of a table with their decimal points in one line.
+class Printed(NamedTuple):
+    """A cell as it is printed: its text, and digits that take their room unseen behind it."""
+
+    text: str
+    room: str = ""
+    numeric: bool = False
+
+
+def column(cells: Sequence[Cell]) -> list[Printed]:
+    """Return the cells of a column of a table with room behind them, so that their decimal points stand in one line.
 
     A number that is nothing beside the largest of its column is what rounding left over, and is shown as about 0.
     """
     sizes = [abs(cell) for cell in cells if isinstance(cell, (int, float)) and math.isfinite(cell)]
     floor = ROUNDING * max(sizes, default=0.0)
-    texts = [
-        "≈ 0" if isinstance(cell, float) and 0.0 < abs(cell) < floor else number(cell) for cell in map(plain, cells)
-    ]
-    numeric = [
-        isinstance(plain(cell), (int, float)) and "×" not in text for cell, text in zip(cells, texts, strict=True)
-    ]
-    tails = [len(text.partition(".")[2]) for text, aligned in zip(texts, numeric, strict=True) if aligned]
-    most = max(tails, default=0)
-    return [_padded(text, most) if aligned else text for text, aligned in zip(texts, numeric, strict=True)]
+    printed = []
+    for cell in map(plain, cells):
+        left_over = isinstance(cell, float) and 0.0 < abs(cell) < floor
+        printed.append(Printed("≈ 0" if left_over else number(cell), "", not isinstance(cell, str)))
+    widest = "." + "0" * (max((len(_tail(one.text)) for one in printed if one.numeric), default=0) - 1)
+    widest = widest if len(widest) > 1 else ""
+    return [one._replace(room=widest[len(_tail(one.text)) :] if _has_room(one) else "") for one in printed]
 
 
-def _padded(text: str, places: int) -> str:
-    whole, point, tail = text.partition(".")
-    if not places:
-        return text
-    return f"{whole}{point or _POINT_SPACE}{tail}{_FIGURE_SPACE * (places - len(tail))}"
+def _tail(text: str) -> str:
+    """Return the decimal point of a number and what is behind it."""
+    return "" if "×" in text or "." not in text else text[text.index(".") :]
+
+
+def _has_room(cell: Printed) -> bool:
+    return cell.numeric and "×" not in cell.text
 
 
 def unit(symbol: str) -> str:

@@ -103,7 +103,8 @@ def charges(data: ReportData) -> ReportTable:
         found = {mode: _summary(one) for mode, one in summaries.items()}
         for quantity, unit in units.items():
             cells = tuple(found[mode].get(quantity) if mode in found else None for mode in data.modes)
-            rows.append((data.comparisons[comparison], quantity, unit, *cells))
+            if any(cell not in (None, "") for cell in cells):
+                rows.append((data.comparisons[comparison], quantity, unit, *cells))
     return ReportTable(
         "charges",
         "Charge results",

@@ -103,6 +103,11 @@
     const watch = new IntersectionObserver((entries) => {
       for (const entry of entries) entry.isIntersecting ? seen.add(entry.target.id) : seen.delete(entry.target.id);
       const current = [...links.keys()].filter((name) => seen.has(name)).pop();
+      const nav = one(".contents"), entry = links.get(current);
+      if (entry && nav.scrollHeight > nav.clientHeight) {
+        const [box, own] = [nav.getBoundingClientRect(), entry.getBoundingClientRect()];
+        if (own.top < box.top + 40 || own.bottom > box.bottom - 40) nav.scrollTop += own.top - box.top - box.height / 3;
+      }
       for (const [name, link] of links) name === current ? link.setAttribute("aria-current", "true") : link.removeAttribute("aria-current");
     }, { rootMargin: "-5% 0px -75% 0px" });
     for (const name of links.keys()) {
