@@ -12,8 +12,8 @@ from typing import Any, NamedTuple
 
 from pipeline.published.words import BASES, WORDS, counted
 from pipeline.report import text
-from pipeline.report.claims import Claim, Rests, claims, count_bar, matrix
-from pipeline.report.tables import Cell, Parameter, ReportTable
+from pipeline.report.claims import Rests, claims, count_bar, matrix
+from pipeline.report.tables import Parameter, ReportTable
 from pipeline.report.traces import MOST_POINTS
 
 TEMPLATES = Path(__file__).with_name("templates")
@@ -25,6 +25,7 @@ TRACES = "traces.js"
 """The script of the curves over time, beside the page."""
 ON_TOP = ("calibrated", "fitted")
 """Sources of parameters that the page shows first."""
+_GROUPS = ("Studies", "Other runs", "Sweeps")
 _POINTS_PER_PIXEL = 0.75
 
 
@@ -151,7 +152,7 @@ def render(content: PageContent) -> str:
     found = claims(content.verdicts, content.rests, figures, tables, content.names)
     counts = counted(content.verdicts)
     on_top = [one for one in content.parameters if one.kind in ON_TOP]
-    page = _environment().get_template("index.html.j2")
+    page = environment().get_template("index.html.j2")
     html: str = page.render(
         content=content,
         claims=found,
@@ -178,11 +179,10 @@ def front(reports: Sequence[Mapping[str, Any]]) -> str:
     reports : what `card` returned for each, with its `place` below `reports/`, and under `run` whether the script that
         tells of the run is there; the studies' own come first.
     """
-    wanted = (("Studies", True), ("Other runs", False))
-    groups = [(title, [one for one in reports if _is_study(one) is own]) for title, own in wanted]
+    groups = [(title, [one for one in reports if _group(one) == title]) for title in _GROUPS]
     places = [one["place"] for one in reports if one["run"]]
     shown = [(title, found) for title, found in groups if found]
-    return str(_environment().get_template("front.html.j2").render(groups=shown, places=places))
+    return str(environment().get_template("front.html.j2").render(groups=shown, places=places))
 
 
 def card(content: PageContent, departs: Sequence[str] = ()) -> dict[str, Any]:
@@ -195,15 +195,25 @@ def card(content: PageContent, departs: Sequence[str] = ()) -> dict[str, Any]:
     hero = content.shown_first()
     counts = counted(content.verdicts)
     first = next((one.text for one in content.sections), "")
-    return {
-        "title": content.title,
-        "question": content.subtitle,
-        "answer": content.answer[0] if content.answer else first,
-        "counts": counts["statements"],
-        "arithmetic": counts["arithmetic"],
-        "picture": None if hero is None else {"file": hero.file, "size": hero.size, "text": hero.heading},
-        "departs": list(departs),
-    }
+    return short_card(
+        content.title,
+        content.subtitle,
+        content.answer[0] if content.answer else first,
+        None if hero is None else (hero.file, hero.size),
+    ) | {"counts": counts["statements"], "departs": list(departs)}
+
+
+def short_card(
+    title: str, question: str, answer: str = "", picture: tuple[str, tuple[int, int]] | None = None
+) -> dict[str, Any]:
+    """Return what the front page shows of a page without verdicts.
+
+    Arguments
+    ---------
+    picture : its file, from beside the page, and its width and height in pixels.
+    """
+    shown = None if picture is None else {"file": picture[0], "size": picture[1]}
+    return {"title": title, "question": question, "answer": answer, "counts": [], "picture": shown, "departs": []}
 
 
 def view(table: ReportTable) -> TableView:
@@ -234,8 +244,12 @@ def size_of(svg: str) -> tuple[int, int]:
     return (round(width), round(height))
 
 
-def _is_study(report: Mapping[str, Any]) -> bool:
-    return not report["departs"] and bool(report["counts"])
+def _group(report: Mapping[str, Any]) -> str:
+    """Return under which title of the front page a report stands."""
+    studies, other, sweeps = _GROUPS
+    if report["place"].count("/") > 1:
+        return sweeps
+    return studies if report["counts"] and not report["departs"] else other
 
 
 def _by_part(parameters: Sequence[Parameter]) -> list[tuple[str, list[Parameter]]]:
@@ -255,17 +269,18 @@ def _not_drawn(content: PageContent) -> list[tuple[str, str]]:
     ]
 
 
-def _environment() -> Any:
+def environment(*more: Path) -> Any:
+    """Return what renders the templates here, and those in other folders that include them."""
     from jinja2 import Environment, FileSystemLoader, StrictUndefined  # not wanted where only names are
 
-    environment = Environment(
-        loader=FileSystemLoader(TEMPLATES),
+    found = Environment(
+        loader=FileSystemLoader([TEMPLATES, *more]),
         autoescape=True,
         trim_blocks=True,
         lstrip_blocks=True,
         undefined=StrictUndefined,
     )
-    environment.filters |= {
+    found.filters |= {
         "number": text.number,
         "unit": text.unit,
         "share": text.share,
@@ -275,14 +290,11 @@ def _environment() -> Any:
         "slug": lambda word: str(word).replace(" ", "-"),
         "bar": count_bar,
     }
-    environment.globals |= {
+    found.globals |= {
         "meanings": WORDS,
         "bases": BASES,
         "folded": FOLDED,
         "traces_file": TRACES,
         "most_points": MOST_POINTS,
     }
-    return environment
-
-
-__all__ = ["Cell", "Claim", "PageContent", "PageFigure", "PageSection", "Paper", "card", "front", "render", "view"]
+    return found

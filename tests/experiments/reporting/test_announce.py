@@ -61,11 +61,12 @@ def test_the_front_page_leads_to_every_page_and_loads_nothing_else(tmp_path: Pat
     run = report(tmp_path, "one/default")
     report(tmp_path, "one/seed=2", departs=["seed=2"])
     report(tmp_path, "validation/default", counts=[], picture=None)
+    report(tmp_path, "one/sweeps/pulses", counts=[], picture=None)
     announce.published(run, MANIFEST, tmp_path / "results")
     text = (tmp_path / "reports/index.html").read_text(encoding="utf-8")
     page = Page(text)
     links = [link for link in page.attributes("href") if link.endswith("index.html")]
-    places = ["one/default", "one/seed=2", "validation/default"]
+    places = ["one/default", "one/seed=2", "one/sweeps/pulses", "validation/default"]
     assert sorted(set(links)) == [f"{place}/index.html" for place in places]
     assert page.attributes("src") == ["one/default/figures/one.svg", "one/seed=2/figures/one.svg", "one/default/run.js"]
     assert {f"../results/{place}/manifest.json" for place in places} <= set(page.attributes("href"))

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import csv
+import json
 import re
 from pathlib import Path
 from typing import Any
@@ -147,6 +148,10 @@ def test_the_page_shows_every_run_and_a_picture(table: Path, count: int, tmp_pat
     for file in re.findall(r'src="([^"]+)"', page):
         assert (folder / file).is_file()
     assert re.findall(r'src="([^"]+)"', page)
+    card = json.loads((folder / "card.json").read_text(encoding="utf-8"))
+    assert card["title"] == "T & U, sweep pulses"
+    assert card["question"].startswith("3 runs over ")
+    assert (folder / card["picture"]["file"]).is_file()
 
 
 def test_the_terminal_shows_the_runs_and_what_was_missed(table: Path, tmp_path: Path) -> None:

@@ -49,7 +49,7 @@ def published(run: Mapping[str, Any], manifest: Mapping[str, Any], results: Path
 
 def cards(reports: Path) -> Iterator[dict[str, Any]]:
     """Yield the card of every page under a folder with its place there, by their places; a damaged one is left out."""
-    for path in sorted(reports.glob("*/*/card.json")):
+    for path in sorted(path for pattern in ("*/*", "*/sweeps/*") for path in reports.glob(f"{pattern}/card.json")):
         try:
             card = json.loads(path.read_text(encoding="utf-8"))
             fields = ("title", "question", "answer", "counts", "picture", "departs")

@@ -19,7 +19,7 @@ PAGE = Step(
     rule="write_sweep_page",
     message="Sweep: the page: {chunk}",
     takes=("sweep",),
-    files=("src/pipeline/experiments/sweeps/*.j2", "src/pipeline/report/*.mplstyle"),
+    files=("src/pipeline/experiments/sweeps/*.j2", "src/pipeline/report/templates/*", "src/pipeline/report/*.mplstyle"),
     shown=False,
 )
 EXPERIMENT = Experiment(

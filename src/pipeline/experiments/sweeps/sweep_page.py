@@ -2,17 +2,17 @@
 
 from __future__ import annotations
 
+import json
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-import jinja2
 import pyarrow.parquet as pq
 
 from pipeline.experiments.sweeps import pictures
 from pipeline.experiments.sweeps.reading import TABLE, Outcome, outcomes, text
 from pipeline.kernel.artefacts import Inputs, Output
-from pipeline.report import style
+from pipeline.report import pages, style
 
 TEMPLATE = Path(__file__).with_name("sweep.html.j2")
 
@@ -26,14 +26,16 @@ def run(settings: Mapping[str, Any], inputs: Inputs, output: Output) -> None:
     comparisons: dict[str, list[Outcome]] = {}
     for one in found:
         comparisons.setdefault(one.charge.rpartition(".")[0], []).append(one)
-    drawn = []
+    drawn, sizes = [], []
     for comparison, own in comparisons.items() if keys else ():
         name = f"sweep_{comparison}" if comparison else "sweep"
         with style.active():
             style.save(pictures.draw(keys, own, columns), output.folder, name)
-        drawn.append({"file": f"{name}.svg", "title": comparison or "the modes"})
+        size = pages.size_of((output.folder / f"{name}.svg").read_text(encoding="utf-8"))
+        sizes.append(size)
+        drawn.append({"file": f"{name}.svg", "title": comparison or "the modes", "size": size})
     missed = [name for name in columns if name.endswith(".missed") and any(columns[name])]
-    page = _environment().from_string(TEMPLATE.read_text(encoding="utf-8"))
+    page = pages.environment(TEMPLATE.parent).get_template(TEMPLATE.name)
     (output.folder / "index.html").write_text(
         page.render(
             study=settings["study"],
@@ -56,10 +58,10 @@ def run(settings: Mapping[str, Any], inputs: Inputs, output: Output) -> None:
         ),
         encoding="utf-8",
     )
-
-
-def _environment() -> jinja2.Environment:
-    return jinja2.Environment(autoescape=True, undefined=jinja2.StrictUndefined, trim_blocks=True, lstrip_blocks=True)
+    picture = (str(drawn[0]["file"]), sizes[0]) if drawn else None
+    runs = f"{table.num_rows} run{'' if table.num_rows == 1 else 's'} over {', '.join(keys.values()) or 'the study'}"
+    card = pages.short_card(f"{settings['title']}, sweep {settings['sweep']}", runs, picture=picture)
+    (output.folder / "card.json").write_text(json.dumps(card, ensure_ascii=False, indent=1) + "\n", encoding="utf-8")
 
 
 def _cell(value: Any, factor: float = 1.0) -> tuple[str, str]:
