@@ -24,7 +24,9 @@ if CHROMIUM is None:
     pytest.skip("no Chromium on the path: apt-get install chromium", allow_module_level=True)
 
 pytestmark = pytest.mark.browser
-PUBLISHED = sorted(path.parent for path in (PROJECT / "reports").glob("*/*/index.html"))
+PUBLISHED = sorted(
+    path.parent for at in ("*/*", "*/sweeps/*") for path in (PROJECT / "reports").glob(f"{at}/index.html")
+)
 MADE_UP = ["index.html", *(f"{place}/index.html" for place in site.PLACES)]
 SERIOUS = ("serious", "critical")
 A4_WIDTH = 794

@@ -86,6 +86,7 @@ def make(sweeps: Sequence[Sweep], cores: int) -> dict[str, Any]:
         "chunks": chunks,
         "targets": targets,
         "tells": plan.modules_named("tells"),
+        "announces": plan.modules_named("announces"),
     }
 
 
