@@ -24,7 +24,8 @@ test-browser: browser-setup ## look at the pages in Chromium: quiet, reachable, 
 
 browser-setup: setup-dev ## what drives Chromium; the browser itself is Debian's: apt-get install chromium
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check --no-deps --require-hashes -r requirements-browser.lock
-	@command -v chromium chromium-browser google-chrome >/dev/null || echo "no Chromium here: apt-get install chromium"
+	@for name in chromium chromium-browser google-chrome; do command -v $$name >/dev/null && exit 0; done; \
+		echo "no Chromium here: apt-get install chromium"
 
 fuzz: setup-dev ## wrong input at every front door: 1500 configurations, 340 files, 40 real commands a door; half an hour
 	$(BIN)/python -m tests.fuzz
