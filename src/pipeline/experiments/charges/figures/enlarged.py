@@ -139,7 +139,7 @@ def _strip(axes: Axes, data: ReportData, strip: tuple[str, str], window: int, qu
         axes.plot(time_ms, values, color=mark.colour, linewidth=1.4)
 
 
-_FOLLOWED: dict[str, Any] = {"color": "#000000", "linewidth": 0.8, "linestyle": (0, (3, 2)), "zorder": 3}
+_FOLLOWED: dict[str, Any] = {"color": "#000000", "linewidth": 0.7, "linestyle": (0, (2, 3)), "zorder": 3}
 
 
 def _band(axes: Axes, periods: Columns, place: tuple[str, str, int], quantity: str, mark: style.Mark) -> bool:

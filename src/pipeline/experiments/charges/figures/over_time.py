@@ -126,7 +126,7 @@ def _curves(
         trace, later = data.charge(comparison, mode, "trace"), min(3, len(charged) - 1 - place)
         band = line(axes, trace, quantity, marks[mode], later, unit_s)
         if band is not None:
-            keys["band"] = _key_of_band()
+            keys["band"] = key_of_band()
         end_s = float(trace["Test Time / s"][-1]) if len(trace["Test Time / s"]) else 0.0
         passed = {name: moment for name, moment in data.quantities(comparison, mode).items() if moment < end_s - 1.0}
         if options.quantity == "soc" and _soc_marks(axes, passed, marks[mode], later, unit_s):
@@ -136,7 +136,8 @@ def _curves(
     return keys
 
 
-def _key_of_band() -> Artist:
+def key_of_band() -> Artist:
+    """Return what a legend shows of the bands over which modes pulse."""
     from matplotlib.patches import Patch
 
     return Patch(facecolor=style.GREY, alpha=0.3, label="range of the pulses")

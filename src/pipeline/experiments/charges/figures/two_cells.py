@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from pipeline.experiments.charges.figures.over_time import QUANTITIES, line
+from pipeline.experiments.charges.figures.over_time import QUANTITIES, key_of_band, line
 from pipeline.report import style
 from pipeline.report.records import FigureCard, NoOptions
 
@@ -34,21 +34,24 @@ def draw(figure: FigureCard, data: ReportData) -> Figure:
     fields = drawing.subplots(len(QUANTITIES), 2, sharex="col", sharey="row", squeeze=False)
     marks = style.marks(list(data.modes))
     seen: set[str] = set()
+    is_pulsed = False
     for column, (title, cell) in enumerate(zip(data.cells, (data, data.second()), strict=True)):
         fields[0, column].set_title(title)
-        shown = cell.shown(figure.comparison)[:1]
-        charged = cell.charged(shown[0]) if shown else []
+        compared = cell.shown(figure.comparison)[:1]
+        charged = cell.charged(compared[0]) if compared else []
         for row, quantity in enumerate(QUANTITIES.values()):
             if not charged:
                 style.nothing(fields[row, column], "no charge in this run")
             for place, mode in enumerate(charged):
                 seen.add(mode)
-                trace = cell.charge(shown[0], mode, "trace")
-                line(fields[row, column], trace, quantity, marks[mode], min(3, len(charged) - 1 - place))
+                trace = cell.charge(compared[0], mode, "trace")
+                band = line(fields[row, column], trace, quantity, marks[mode], min(3, len(charged) - 1 - place))
+                is_pulsed = is_pulsed or band is not None
     for row, quantity in enumerate(QUANTITIES.values()):
         fields[row, 0].set_ylabel(quantity.label)
     for axes in fields[-1]:
         axes.set_xlabel("Time [h]")
     titles = {mode: label.title for mode, label in data.modes.items()}
-    style.legend(drawing, titles, {mode: mark for mode, mark in marks.items() if mode in seen}, markers=True)
+    shown = style.handles(titles, {mode: mark for mode, mark in marks.items() if mode in seen})
+    drawing.legend(handles=[*shown, *([key_of_band()] if is_pulsed else [])], loc="outside upper center", ncols=4)
     return drawing

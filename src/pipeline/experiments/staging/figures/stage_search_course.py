@@ -12,7 +12,6 @@ from pipeline.report import style
 from pipeline.report.records import FigureCard
 
 if TYPE_CHECKING:
-    from matplotlib.artist import Artist
     from matplotlib.figure import Figure
 
     from pipeline.report.tables import ReportData
@@ -46,7 +45,7 @@ def draw(figure: FigureCard, data: ReportData) -> Figure:
     drawing = style.figure(4.6)
     axes = drawing.subplots()
     best = data.numbers("staging")[f"{options.weights}_best_value"]
-    titles, seen = {}, {}
+    ends: list[tuple[float, str, str]] = []
     for (name, title), mark in zip(options.searches.items(), style.MARKS, strict=False):
         source = f"staging_search/{options.weights}/{name}"
         if source not in data.inputs:
@@ -55,14 +54,14 @@ def draw(figure: FigureCard, data: ReportData) -> Figure:
         low, median, high = (np.maximum(course[part] / best - 1.0, _FLOOR) for part in ("low", "median", "high"))
         axes.fill_between(course["evaluations"], low, high, color=mark.colour, alpha=0.13, linewidth=0)
         axes.plot(course["evaluations"], median, color=mark.colour, linestyle=mark.line)
-        titles[name], seen[name] = title, mark
+        ends.append((float(median[-1]), title, mark.colour))
     axes.set_xscale("log")
     axes.set_yscale("log")
     axes.set_xlabel("Charges computed")
     axes.set_ylabel("Objective above the best there is, as a share of it")
-    keys: list[Artist] = [
-        *style.handles(titles, seen, markers=False),
-        Patch(facecolor=style.GREY, alpha=0.3, label="quartiles about each median"),
-    ]
-    drawing.legend(handles=keys, loc="outside upper center", ncols=4, fontsize=9)
+    if ends:
+        axes.margins(x=0.0)
+        style.at_ends(axes, ends, apart=0.07)
+    key = Patch(facecolor=style.GREY, alpha=0.3, label="quartiles about each median")
+    axes.legend(handles=[key], loc="lower left", fontsize=9)
     return drawing

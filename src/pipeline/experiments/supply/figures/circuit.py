@@ -74,7 +74,7 @@ def draw(figure: FigureCard, data: ReportData) -> Figure:
 
 def _title(part: str, knobs: Mapping[str, float]) -> str:
     if part == "system":
-        return "From the panel over the bus to the battery"
+        return ""
     if part == "mode_1":
         found = f", {knobs['voltage_v']:g} V, at most {knobs['max_current_a']:g} A" if "max_current_a" in knobs else ""
         return f"Mode 1: constant voltage{found}; S2 and S3 on, S4 off"
