@@ -126,7 +126,7 @@ def count(name: str, draws: int, say: bool = False) -> Count:
             identified[path] += known
             held[path] += known and low <= truth[path] <= high
         if say:
-            print(f"{name}: {number} of {draws}, {time.perf_counter() - begun:.0f} s", file=sys.stderr, flush=True)
+            sys.stderr.write(f"{name}: {number} of {draws}, {time.perf_counter() - begun:.0f} s\n")
     return Count(held, identified, draws, time.perf_counter() - begun)
 
 
@@ -157,11 +157,12 @@ def main() -> int:
         low = {path: f"{share:.2f}" for path, share in shares.items() if share < 0.85}
         flags = wrong_flags(name, found)
         never = sorted(path for path, times in found.identified.items() if times < 0.5 * found.draws)
-        print(
+        sys.stdout.write(
             f"{name}: {found.draws} draws, {len(paths)} numbers identified, {found.seconds / found.draws:.1f} s a draw"
+            "\n"
         )
-        print(f"  intervals hold the truth in {100 * whole:.1f} % over all; below 85 %: {low or 'none'}")
-        print(f"  not identified: {never or 'none'}; flags against the lists: {flags or 'none'}", flush=True)
+        sys.stdout.write(f"  intervals hold the truth in {100 * whole:.1f} % over all; below 85 %: {low or 'none'}\n")
+        sys.stdout.write(f"  not identified: {never or 'none'}; flags against the lists: {flags or 'none'}\n")
         broken = broken or bool(low or flags) or not 0.93 <= whole <= 0.97
     return int(broken)
 
