@@ -4,8 +4,9 @@ VENV := .venv
 BIN := $(VENV)/bin
 CORES ?= 2
 
-.PHONY: all test test-slow test-struck test-browser browser-setup lint bench bench-slow faults faults-short fuzz fuzz-short validate accuracy \
-	reproduce reproduce-generic expected setup setup-dev setup-docs docs lock clean help
+.PHONY: all test test-slow test-struck test-browser browser-setup lint bench bench-slow faults faults-short fuzz \
+	fuzz-short validate accuracy reproduce reproduce-generic expected own-battery-proof setup setup-dev setup-docs \
+	docs lock clean help
 
 all: setup ## run every study: results/ and reports/
 	$(BIN)/snakemake --cores $(CORES) all
@@ -51,6 +52,9 @@ faults: setup-dev ## kills, full disks, read-only folders, by the thousand; a ta
 
 faults-short: setup-dev ## the same in about two minutes, for every change
 	$(BIN)/python -m tests.faults --short
+
+own-battery-proof: setup-dev ## fits of made measurements, 100 draws a battery: do 95 % intervals hold the truth? half an hour
+	$(BIN)/python -m tests.experiments.own_battery.proof --draws 100
 
 validate: setup ## hold the engine against closed forms, the first law, PyBaMM and ngspice (these two where installed)
 	$(BIN)/python -m pipeline validate --cores $(CORES)

@@ -53,7 +53,7 @@ ZERO_LENGTH = [
     ("charge.windows=[{start_s: 0, length_s: 0}]", "length_s: .*more than 0"),
 ]
 FREQUENCIES = [
-    (f"{REFLEX}.frequency_hz=0", r"override modes.cv_reflex.frequency_hz=0: .*frequency_hz: 0; .*more than 0"),
+    (f"{REFLEX}.frequency_hz=0", r"override modes.cv_reflex.frequency_hz=0: .*frequency_hz: 0; .*greater than 0"),
     (f"{REFLEX}.frequency_hz=3000", "3000 Hz; the shortest part of a pulse, .*up to 2500 Hz"),
     # A period no longer than a switching period of 20 us, and than two of them.
     (f"{REFLEX}.frequency_hz=50000", "50000 Hz"),
@@ -72,7 +72,7 @@ FORMS = [
     ("modes.cc_cv.voltage_v=abc", "value 'abc' is none of its forms; allowed is a number or {from, value}$"),
     ("battery.series_resistance_ohm=abc", "value 'abc' is none of .* a number or {polynomial} or .* or {soc, value}$"),
     ("+battery.series_resistance_ohm.soc=[0,0.5,1]", "the keys polynomial, soc make none of its forms; allowed is a"),
-    ("battery.series_resistance_ohm={soc: [0, 1], value: [1, 2]}", "value: value \\[1, 2\\]; allowed is a list of 3 or more"),
+    ("battery.series_resistance_ohm={soc: [0, 1], value: [1, 2]}", r"value: value \[1, 2\]; allowed is a list of 3 or more"),
     ("battery.pairs.fast=2", "value 2; allowed is a mapping, {resistance_ohm, time_constant_s}$"),
     ("trackers.constant_voltage.kind=Perturb_Observ", "kind is 'Perturb_Observ'; best matches are: perturb_observe"),
     ("trackers.constant_voltage={kind: constant_voltage}", r"gain: missing; share of the error in the voltage"),

@@ -95,7 +95,8 @@ def draw(case: Case, number: int, told: set[str] | None) -> tuple[Fitted, Batter
     values = {one.path: one.start for one in model.unknowns}
     off = {}
     for one in model.unknowns:
-        if told is not None and one.path in told and ".value." not in one.path:
+        # A start card's tables are the truth's; its scales are multiplied out before the fit.
+        if told is not None and one.path in told and ".value." not in one.path and not one.path.endswith(".scale"):
             away = rng.uniform(-0.4, 0.4) * one.prior
             off[one.path] = one.start * float(np.exp(away)) if one.log else one.start + away
     start = with_values(truth, off)

@@ -62,7 +62,7 @@ def covariance_of(problem: Problem, vector: Array, robust: float) -> tuple[Array
     """Return the covariance of a vector, and the effective number of rows of voltage.
 
     A sandwich: bread from the curvature of the loss, filling from the spread of the residuals, each kind of sensor
-    inflated by its own autocorrelation.
+    inflated by its own autocorrelation; and what the steps of the logger do to rows whose voltage stays within one.
     """
     slopes, missed = problem.slopes(vector), problem.function(vector)
     weight = 1.0 / np.sqrt(1.0 + (missed / robust) ** 2)
@@ -80,6 +80,9 @@ def covariance_of(problem: Problem, vector: Array, robust: float) -> tuple[Array
         spread = float(np.mean(scores**2)) * len(scores) / max(len(scores) - len(vector), 1)
         filling += spread * factor * slopes[kind].T @ slopes[kind]
         effective = min(effective, volts / factor) if kind.start == 0 else effective
+    for rows, error in problem.shared(vector):
+        together = weight[rows] @ slopes[rows]
+        filling += error**2 * np.outer(together, together)
     inverse = _inverse(bread)
     return inverse @ filling @ inverse, effective
 

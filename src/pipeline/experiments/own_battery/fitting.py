@@ -116,6 +116,18 @@ class Problem:
         found = np.concatenate(rows, axis=1)
         return np.where(np.isfinite(found), np.clip(found, -_LOST, _LOST), _LOST)
 
+    def shared(self, vector: Array) -> list[tuple[NDArray[np.int64], float]]:
+        """Return the residuals of voltage that share the error of a step of the logger: their places, and its size."""
+        found, begin = [], 0
+        for one, part, seen in zip(self.replayed(vector[None]), self.parts, self._volts, strict=True):
+            count, step = int(seen.sum()), part.thinned.step_v
+            if step > 0.0 and count:
+                cell = np.round(one.voltage_v[0, seen] / step)
+                runs = np.split(np.arange(count), np.flatnonzero(np.diff(cell)) + 1)
+                found += [(begin + run, part.thinned.shared_v / self.spread.voltage_v) for run in runs]
+            begin += count
+        return found
+
     @property
     def voltages(self) -> int:
         """Return how many of the residuals are voltages."""

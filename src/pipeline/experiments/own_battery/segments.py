@@ -161,6 +161,8 @@ class Thinned(NamedTuple):
     ---------
     drive : the replay's form; `kept` : its rows in the series.
     voltage_v, temperature_k : measured there; temperature NaN where it is not.
+    step_v, shared_v : step of the logger's voltages, 0 where they have none, and the error that rows share whose volts
+        stay within one step, root of the mean of the squares [V].
     start_k : temperature at the start: as measured, its first rows averaged, else that of the surroundings [K].
     """
 
@@ -168,6 +170,8 @@ class Thinned(NamedTuple):
     kept: NDArray[np.int64]
     voltage_v: Array
     temperature_k: Array
+    step_v: float
+    shared_v: float
     start_k: float
 
 
@@ -252,9 +256,29 @@ def _thinned(series: Series, kept: NDArray[np.int64], ambient_c: float) -> Thinn
     first = series.temperature_c[: _first_rows(series)]
     known = first[~np.isnan(first)]
     start_k = float(known.mean()) + ZERO_CELSIUS_K if len(known) else float(around[0])
-    return Thinned(
-        drive, kept, series.voltage_v[kept], series.temperature_c[kept] + ZERO_CELSIUS_K, start_k
-    )  # fmt: skip
+    volts, warm = series.voltage_v[kept], series.temperature_c[kept] + ZERO_CELSIUS_K
+    return Thinned(drive, kept, volts, warm, *_steps(series), start_k)
+
+
+def _steps(series: Series) -> tuple[float, float]:
+    """Return the step of the logger's voltages and the error that it leaves in the mean of many rows [V].
+
+    Noise of a standard deviation s spreads a voltage over neighbouring steps of q: what is left of the error of
+    rounding in a mean is a wave of the amplitude q / pi exp(-2 pi^2 s^2 / q^2) over the true voltage.
+    """
+    volts = series.voltage_v
+    gaps = np.diff(np.unique(np.round(volts, 9)))
+    if len(gaps) < 3:
+        return 0.0, 0.0
+    step = float(np.min(gaps))
+    multiples = gaps / step
+    if step < 1e-6 or np.max(np.abs(multiples - np.round(multiples))) > 0.05:
+        return 0.0, 0.0
+    squares = np.sort(np.diff(volts) ** 2)
+    squares = squares[: max(int(0.95 * len(squares)), 1)]
+    noise = max(0.5 * float(np.mean(squares)) - step**2 / 12.0, 0.0)
+    wave = step / np.pi * np.exp(-2.0 * np.pi**2 * noise / step**2)
+    return step, float(min(wave / np.sqrt(2.0), step / np.sqrt(12.0)))
 
 
 def _first_rows(series: Series) -> int:
