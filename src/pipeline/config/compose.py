@@ -190,7 +190,8 @@ def expand(words: Sequence[str]) -> list[list[str]]:
     without = next((word for word in parsed if word.is_sweep_override() and not word.is_discrete_sweep()), None)
     if without is not None:
         raise UserError(
-            f"override {without.input_line}: an interval has no values to take in turn; give range(1,5,0.5)"
+            f"override {without.input_line}: an interval has no values to take in turn; Hydra's sweepers Optuna, Ax "
+            "and Nevergrad draw from one, the basic one that runs here does not; give range(1,5,0.5)"
         )
     with adapter.opened(roots(CONF), content, text) as loader:
         try:

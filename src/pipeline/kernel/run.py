@@ -72,14 +72,41 @@ def run_chunk(plan: Mapping[str, Any], name: str, results: Path, again: bool) ->
     module = importlib.import_module(plan["steps"][step]["module"])
     size = getattr(module, "BATCH", 1) if hasattr(module, "run_many") else 1
     made: dict[str, dict[str, str]] = {}
+    failed: list[Exception] = []
     for start in range(0, len(chunk["nodes"]), size):
         batch = chunk["nodes"][start : start + size]
         begin = time.monotonic()
-        made |= store.make_many(results, step, batch, partial(_compute, plan, module, results), again)
+        done = _made(plan, module, results, batch, again, failed)
+        made |= done
         took = time.monotonic() - begin
-        done, total = start + len(batch), len(chunk["nodes"])
-        print(f"{step} {name} {done}/{total}: {', '.join(key[:12] for key in batch)} in {took:.2f} s", flush=True)
+        place, total = start + len(batch), len(chunk["nodes"])
+        print(f"{step} {name} {place}/{total}: {', '.join(key[:12] for key in done)} in {took:.2f} s", flush=True)
+    if failed:
+        raise failed[0]
     receipts.write(results, step, name, made, {})
+
+
+def _made(
+    plan: Mapping[str, Any],
+    module: ModuleType,
+    results: Path,
+    keys: Sequence[str],
+    again: bool,
+    failed: list[Exception],
+) -> dict[str, dict[str, str]]:
+    """Make some artefacts at once; where one cannot be made, each alone, what fails being put to `failed`."""
+    step, compute = plan["nodes"][keys[0]]["step"], partial(_compute, plan, module, results)
+    try:
+        return store.make_many(results, step, keys, compute, again)
+    except (EngineError, UserError) as error:
+        if len(keys) == 1:
+            print(f"{step} {keys[0]}: {error}", flush=True)
+            failed.append(error)
+            return {}
+    made: dict[str, dict[str, str]] = {}
+    for key in keys:
+        made |= _made(plan, module, results, [key], again, failed)
+    return made
 
 
 def _compute(plan: Mapping[str, Any], module: ModuleType, results: Path, outputs: Mapping[str, Path]) -> None:

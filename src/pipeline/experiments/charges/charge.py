@@ -11,6 +11,7 @@ from pipeline.cell.records import Battery
 from pipeline.charge.records import ChargeSettings, EngineSettings, Mode
 from pipeline.charge.simulate import Supply, Task, simulate_many
 from pipeline.kernel.artefacts import Inputs, Output
+from pipeline.kernel.digest import canonical
 
 BATCH = 48
 """Charges that are made and written at once: one wait for the disk, and what an interruption costs."""
@@ -43,7 +44,8 @@ def run_many(tasks: Sequence[tuple[Mapping[str, Any], Inputs, Output]]) -> None:
     """Charge for many nodes at once; what is written is bit for bit that of `run`."""
     given = {inputs.get("supply"): inputs for _, inputs, _ in tasks}
     supplies = {folder: supply(inputs) for folder, inputs in given.items()}
-    wanted = [_task(settings, supplies[inputs.get("supply")]) for settings, inputs, _ in tasks]
+    known: dict[str, Any] = {}
+    wanted = [_task(settings, supplies[inputs.get("supply")], known) for settings, inputs, _ in tasks]
     # A job has one core.
     for (_, _, output), charge in zip(tasks, simulate_many(wanted, threads=1), strict=True):
         output.write("trace", charge.trace)
@@ -53,11 +55,14 @@ def run_many(tasks: Sequence[tuple[Mapping[str, Any], Inputs, Output]]) -> None:
         output.write("energy", charge.energy)
 
 
-def _task(settings: Mapping[str, Any], source: Supply) -> Task:
-    return Task(
-        Battery.model_validate(settings["battery"]),
-        Mode.model_validate(settings["mode"]),
-        source,
-        ChargeSettings.model_validate(settings["charge"]),
-        EngineSettings.model_validate(settings["engine"]),
-    )
+def _task(settings: Mapping[str, Any], source: Supply, known: dict[str, Any]) -> Task:
+    """Return a charge; `known` keeps its records for others that have the same."""
+
+    def record(name: str, kind: Any) -> Any:
+        written = f"{name}{canonical(settings[name], ordered=True)}"
+        if written not in known:
+            known[written] = kind.model_validate(settings[name])
+        return known[written]
+
+    battery, mode = record("battery", Battery), record("mode", Mode)
+    return Task(battery, mode, source, record("charge", ChargeSettings), record("engine", EngineSettings))
