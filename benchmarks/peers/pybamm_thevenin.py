@@ -9,7 +9,8 @@ from __future__ import annotations
 
 import importlib.util
 import os
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
+from typing import Any
 
 import numpy as np
 
@@ -18,6 +19,7 @@ from benchmarks.common_model import KELVIN, End, Model, Pulses
 TITLE = "PyBaMM, Thevenin, IDAKLU"
 # The jig around the cell stays at the ambient's temperature.
 _HUGE = 1e12
+_LONGEST_S = 1e5
 
 
 def installed() -> bool:
@@ -45,14 +47,64 @@ def build(m: Model, p: Pulses, rtol: float) -> Callable[[], End]:
         phase = pybamm.Modulo(time, p.period_s)
         return -p.charge_a * (phase < first) + p.discharge_a * (phase >= first) * (phase < second)
 
+    model, values = _thevenin(m, p.initial_soc)
+    values.update({"Current function [A]": current})
+    solver = pybamm.IDAKLUSolver(rtol=rtol, atol=1e-3 * rtol)
+    simulation = pybamm.Simulation(model, parameter_values=values, solver=solver)
+    simulation.build()
+    breaks, ends = edges(p), np.array([0.0, p.periods * p.period_s])
+
+    def run() -> End:
+        solution = simulation.solve(t_eval=breaks, t_interp=ends)
+        last = [
+            float(solution[name].entries[-1])
+            for name in (
+                "SoC", "Element-1 overpotential [V]", "Element-2 overpotential [V]", "Cell temperature [degC]",
+            )
+        ]  # fmt: skip
+        return End(last[0], last[1], last[2], last[3] + KELVIN)
+
+    return run
+
+
+def charges(
+    m: Model, initial_soc: float, currents_a: Sequence[float], limit_v: float, end_a: float, rtol: float
+) -> Callable[[], list[float]]:
+    """Return the run of a sweep: CC-CV at each current, one solve after the other, each built and compiled before.
+
+    Returns
+    -------
+    A run that returns the time at which each charge ended [s].
+    """
+    import pybamm
+
+    pybamm.set_logging_level("ERROR")
+    solver = pybamm.IDAKLUSolver(rtol=rtol, atol=1e-3 * rtol)
+    simulations = []
+    for current_a in currents_a:
+        model, values = _thevenin(m, initial_soc)
+        steps = (
+            pybamm.step.current(-current_a, duration=_LONGEST_S, termination=f"{limit_v!r} V"),
+            pybamm.step.voltage(limit_v, duration=_LONGEST_S, termination=f"{end_a!r} A"),
+        )
+        experiment = pybamm.Experiment([steps], period=None)
+        simulation = pybamm.Simulation(model, experiment=experiment, parameter_values=values, solver=solver)
+        simulation.solve()
+        simulations.append(simulation)
+    return lambda: [float(simulation.solve().t[-1]) for simulation in simulations]
+
+
+def _thevenin(m: Model, initial_soc: float) -> tuple[Any, Any]:
+    """Return PyBaMM's model with two pairs, and its parameter values for the common model."""
+    import pybamm
+
     model = pybamm.equivalent_circuit.Thevenin(options={"number of rc elements": 2})
     values = model.default_parameter_values
     values.update(
         {
-            "Current function [A]": current,
             "Cell capacity [A.h]": m.capacity_as / 3600.0,
             "Nominal cell capacity [A.h]": m.capacity_as / 3600.0,
-            "Initial SoC": p.initial_soc,
+            "Initial SoC": initial_soc,
             "Open-circuit voltage [V]": lambda soc: m.full_v + m.slope_v * (1.0 - soc),
             "Entropic change [V/K]": lambda ocv, temperature: pybamm.Scalar(0.0),
             "R0 [Ohm]": m.series_ohm,
@@ -72,19 +124,4 @@ def build(m: Model, p: Pulses, rtol: float) -> Callable[[], End]:
         },
         check_already_exists=False,
     )
-    solver = pybamm.IDAKLUSolver(rtol=rtol, atol=1e-3 * rtol)
-    simulation = pybamm.Simulation(model, parameter_values=values, solver=solver)
-    simulation.build()
-    breaks, ends = edges(p), np.array([0.0, p.periods * p.period_s])
-
-    def run() -> End:
-        solution = simulation.solve(t_eval=breaks, t_interp=ends)
-        last = [
-            float(solution[name].entries[-1])
-            for name in (
-                "SoC", "Element-1 overpotential [V]", "Element-2 overpotential [V]", "Cell temperature [degC]",
-            )
-        ]  # fmt: skip
-        return End(last[0], last[1], last[2], last[3] + KELVIN)
-
-    return run
+    return model, values

@@ -134,11 +134,12 @@ def _bars(made: Made, ended: threading.Event) -> None:
 def _lines(made: Made, ended: threading.Event) -> None:
     begun = told = time.monotonic()
     _, first = made.done
+    last = first
     while not ended.wait(_LOOK_S):
         made.look()
         now = time.monotonic()
         runs, nodes = made.done
-        if nodes > first and now - told > max(5.0, (now - begun) / _LINES):
-            told = now
+        if nodes > last and now - told > max(5.0, (now - begun) / _LINES):
+            told, last = now, nodes
             left = (now - begun) / (nodes - first) * (made.nodes - nodes)
             say(f"{runs} of {made.runs} runs, {nodes} of {made.nodes} artefacts, {left:.0f} s left")
