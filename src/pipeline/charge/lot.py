@@ -88,10 +88,21 @@ class Lot(NamedTuple):
 
     def book(self, row: int) -> Book:
         """Return what a charge has written."""
-        parts = (self.samples, self.phases, self.waveform, self.marks, self.windows)
-        own = [part[self.begin[row, n] : self.end[row, n]] for n, part in enumerate(parts)]
-        sums = (self.filled, self.sums, self.extremes, self.totals, self.gains, self.recent_gains, self.peak_k)
-        return Book(*own, *(one[row] for one in sums))  # type: ignore[arg-type]
+        a, b = self.begin[row].tolist(), self.end[row].tolist()
+        return Book(
+            self.samples[a[SAMPLES] : b[SAMPLES]],
+            self.phases[a[PHASES] : b[PHASES]],
+            self.waveform[a[POINTS] : b[POINTS]],
+            self.marks[a[MARKS] : b[MARKS]],
+            self.windows[a[WINDOWS] : b[WINDOWS]],
+            self.filled[row],
+            self.sums[row],
+            self.extremes[row],
+            self.totals[row],
+            self.gains[row],
+            self.recent_gains[row],
+            self.peak_k[row],
+        )
 
 
 class Desk(NamedTuple):

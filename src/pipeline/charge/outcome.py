@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -45,6 +46,12 @@ class Outcome:
     start: NDArray[np.float64]
     end_s: float
     settled: Settled | None = None
+
+    @cached_property
+    def ran(self) -> list[list[float]]:
+        """Return the rows of the phases that were run."""
+        rows: list[list[float]] = self.book.phases[: self.book.filled[1]].tolist()
+        return rows
 
 
 def trace(outcome: Outcome, ambient_c: float) -> Columns:
@@ -138,7 +145,7 @@ def _missed_goal(outcome: Outcome) -> str:
     goals = {goal: wanted[goal] for goal in _GOALS if goal in wanted}
     if full and not goals:
         goals = {"elapsed_s": protocol.stop["elapsed_s"]}
-    ended = protocol.courses[int(outcome.book.phases[outcome.book.filled[1] - 1, 7])]
+    ended = protocol.courses[int(outcome.ran[-1][7])]
     done = name in stops if of_stop else ended.group == last.group and name not in stops
     end_soc = 1.0 - float(outcome.run["state"][DEPTH])
     if not goals or (name in _GOALS and done) or end_soc >= goals.get("soc", 2.0) - _ROUNDING:
@@ -159,10 +166,10 @@ def _steady(course: Course) -> bool:
 
 def _not_held(outcome: Outcome) -> str:
     """Return which voltage the phase in which the charge ended was to hold and never came to."""
-    rows = outcome.book.phases[: outcome.book.filled[1]]
-    course = outcome.protocol.courses[int(rows[-1, 7])]
-    before_s = rows[-2, 8] if len(rows) > 1 else 0.0
-    if not course.waveform.holds_voltage or rows[-1, 8] > before_s:
+    rows = outcome.ran
+    course = outcome.protocol.courses[int(rows[-1][7])]
+    before_s = rows[-2][8] if len(rows) > 1 else 0.0
+    if not course.waveform.holds_voltage or rows[-1][8] > before_s:
         return ""
     return f"{course.name} never held its {course.values['voltage_v']:g} V"
 
@@ -170,14 +177,13 @@ def _not_held(outcome: Outcome) -> str:
 def _never_ran(outcome: Outcome) -> list[str]:
     """Return the names of the phases and stages, in the order of the sheet, of which no turn was begun."""
     courses = outcome.protocol.courses
-    begun = {courses[int(row[7])].name for row in outcome.book.phases[: outcome.book.filled[1]]}
+    begun = {courses[int(row[7])].name for row in outcome.ran}
     return [name for name in dict.fromkeys(course.name for course in courses) if name not in begun]
 
 
 def _skipped(outcome: Outcome) -> list[str]:
     """Return what is to be said of the phases and stages whose end was met in every turn as they began."""
-    rows = outcome.book.phases[: outcome.book.filled[1]]
-    names = [outcome.protocol.courses[int(row[7])].name for row in rows]
+    names = [outcome.protocol.courses[int(row[7])].name for row in outcome.ran]
     ran = {name for row, name in enumerate(names) if not _met_at_start(outcome, row)}
     said = {name: _reason_of_phase(outcome, row) for row, name in enumerate(names) if name not in ran}
     return [f"{name} skipped: {why}" for name, why in said.items()]
@@ -185,7 +191,7 @@ def _skipped(outcome: Outcome) -> list[str]:
 
 def _met_at_start(outcome: Outcome, row: int) -> bool:
     """Tell whether a phase was over as it began; not where the whole charge was."""
-    return bool(outcome.book.phases[row, 1] == outcome.book.phases[row, 2]) and not _end(outcome, row)[2]
+    return outcome.ran[row][1] == outcome.ran[row][2] and not _end(outcome, row)[2]
 
 
 def _reason_of_phase(outcome: Outcome, row: int) -> str:
@@ -200,8 +206,7 @@ def _listed(names: Sequence[str], told: str) -> str:
 
 def _end(outcome: Outcome, row: int) -> tuple[str, Mapping[str, float], bool]:
     """Return which limit ended a phase, the limits that it is one of, and whether they are those of the charge."""
-    rows = outcome.book.phases[: outcome.book.filled[1]]
-    code, course = int(rows[row, 3]), outcome.protocol.courses[int(rows[row, 7])]
+    code, course = int(outcome.ran[row][3]), outcome.protocol.courses[int(outcome.ran[row][7])]
     if code == 2 * LIMITS:
         assert course.edge_soc is not None
         return "soc", {"soc": course.edge_soc}, False

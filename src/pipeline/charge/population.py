@@ -257,7 +257,8 @@ def _charge(block: _Block, place: int) -> Charge | Failure:
 
 def _outcome(lot: Lot, row: int, run: _Run) -> Outcome:
     """Return a finished run; without its cell, which has been written over."""
-    steps, edges, changes = (int(lot.counts[row, n]) for n in (STEPS, EDGES, CHANGES))
+    counts = lot.counts[row].tolist()
+    steps, edges, changes = counts[STEPS], counts[EDGES], counts[CHANGES]
     end = {"state": lot.state[row], "at": lot.at[row], "steps": steps, "edges": edges, "changes": changes}
     settled, end_s = Settled(*lot.settled[row].tolist()), float(lot.end_s[row])
     return Outcome(None, run.protocol, end, lot.book(row), lot.start[row], end_s, settled)

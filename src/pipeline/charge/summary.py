@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import math
-from functools import cache
+from collections.abc import Iterator
+from functools import lru_cache
 from typing import NamedTuple
 
 from pipeline.cell.circuit import ZERO_CELSIUS_K
@@ -49,60 +50,83 @@ def summarise(outcome: Outcome, settings: ChargeSettings, drawn_j: float) -> lis
     peak_k = float(outcome.book.peak_k[0])
     # Below this is the rounding of a charger that was blocked or had no supply.
     put_in = totals[CHARGE_IN] > 1e-12 * settled.charge_as
-    return [
-        *_marks(outcome, settings),
-        _number("end_time_s", outcome.end_s),
-        _number("end_soc", 1.0 - end[DEPTH]),
-        _text("end_reason", reason(outcome, -1)),
-        _text("missed", missed(outcome)),
-        _number("charge_in_ah", totals[CHARGE_IN] / 3600),
-        _number("charge_out_ah", totals[CHARGE_OUT] / 3600),
-        _number("energy_in_wh", totals[ENERGY_IN] / 3600),
-        _number("energy_out_wh", totals[ENERGY_OUT] / 3600),
-        _number("charge_efficiency", _ratio(gained_as, net_as) if put_in else None),
-        _number("energy_efficiency", _ratio(settled.chemical_j, net_j) if put_in else None),
-        _number("energy_drawn_wh", drawn_j / 3600),
-        _number("system_efficiency", _ratio(settled.chemical_j, drawn_j) if put_in else None),
-        _number("peak_temperature_c", peak_k - ZERO_CELSIUS_K),
-        _number("peak_temperature_rise_k", peak_k - (settings.ambient_c + ZERO_CELSIUS_K)),
-        _number("end_temperature_c", end[TEMPERATURE] - ZERO_CELSIUS_K),
-        _number("peak_temperature_rate_k_s", settled.warming_k_s),
-        _number("mean_current_a", net_as / outcome.end_s if outcome.end_s else 0.0),
-        _number("time_at_voltage_limit_s", totals[VOLTAGE_LIMITED_S]),
-        _number("time_at_supply_limit_s", totals[SUPPLY_LIMITED_S]),
-        _number("energy_balance_residual", settled.residual_j / scale_j),
-        _number("steps", run["steps"]),
-        _number("edges", run["edges"]),
-        _number("control_changes", run["changes"]),
+    marks = sorted(settings.soc_marks)
+    values = [
+        *_at_marks(outcome, settings),
+        outcome.end_s,
+        1.0 - end[DEPTH],
+        None,
+        None,
+        totals[CHARGE_IN] / 3600,
+        totals[CHARGE_OUT] / 3600,
+        totals[ENERGY_IN] / 3600,
+        totals[ENERGY_OUT] / 3600,
+        _ratio(gained_as, net_as) if put_in else None,
+        _ratio(settled.chemical_j, net_j) if put_in else None,
+        drawn_j / 3600,
+        _ratio(settled.chemical_j, drawn_j) if put_in else None,
+        peak_k - ZERO_CELSIUS_K,
+        peak_k - (settings.ambient_c + ZERO_CELSIUS_K),
+        end[TEMPERATURE] - ZERO_CELSIUS_K,
+        settled.warming_k_s,
+        net_as / outcome.end_s if outcome.end_s else 0.0,
+        totals[VOLTAGE_LIMITED_S],
+        totals[SUPPLY_LIMITED_S],
+        settled.residual_j / scale_j,
+        float(run["steps"]),
+        float(run["edges"]),
+        float(run["changes"]),
     ]
+    texts: list[str | None] = [None] * len(values)
+    texts[2 * len(marks) + 2], texts[2 * len(marks) + 3] = reason(outcome, -1), missed(outcome)
+    names, units, descriptions = _meanings(tuple(marks))
+    rows = zip(names, values, texts, units, descriptions, strict=True)
+    return list(map(Quantity._make, rows))
 
 
-@cache
-def _meaning(pattern: str, mark: str | None) -> tuple[str, str, str]:
-    """Return name, unit and description of a quantity."""
-    found = SUMMARY.quantity(pattern, float("nan"), **({} if mark is None else {"mark": mark}))
-    return found.name, found.unit, found.description
+_AT_MARKS = ("time_to_soc_{mark}_s", "temperature_rise_at_soc_{mark}_k")
+_OF_CHARGE = (
+    "end_time_s",
+    "end_soc",
+    "end_reason",
+    "missed",
+    "charge_in_ah",
+    "charge_out_ah",
+    "energy_in_wh",
+    "energy_out_wh",
+    "charge_efficiency",
+    "energy_efficiency",
+    "energy_drawn_wh",
+    "system_efficiency",
+    "peak_temperature_c",
+    "peak_temperature_rise_k",
+    "end_temperature_c",
+    "peak_temperature_rate_k_s",
+    "mean_current_a",
+    "time_at_voltage_limit_s",
+    "time_at_supply_limit_s",
+    "energy_balance_residual",
+    "steps",
+    "edges",
+    "control_changes",
+)
 
 
-def _number(pattern: str, value: float | None, mark: str | None = None) -> Quantity:
-    name, unit, description = _meaning(pattern, mark)
-    return Quantity(name, None if value is None else float(value), None, unit, description)
+@lru_cache(maxsize=1024)
+def _meanings(marks: tuple[float, ...]) -> tuple[tuple[str, ...], tuple[str, ...], tuple[str, ...]]:
+    """Return names, units and descriptions of the quantities, in the order of the table."""
+    nothing = float("nan")
+    found = [SUMMARY.quantity(pattern, nothing, mark=f"{mark:g}") for mark in marks for pattern in _AT_MARKS]
+    found += [SUMMARY.quantity(pattern, nothing) for pattern in _OF_CHARGE]
+    return tuple(one.name for one in found), tuple(one.unit for one in found), tuple(one.description for one in found)
 
 
-def _text(name: str, text: str) -> Quantity:
-    return _number(name, None)._replace(text=text)
-
-
-def _marks(outcome: Outcome, settings: ChargeSettings) -> list[Quantity]:
-    rows: list[Quantity] = []
-    for mark, (_, time_s, temperature_k) in zip(sorted(settings.soc_marks), outcome.book.marks.tolist(), strict=True):
-        reached, of = math.isfinite(time_s), f"{mark:g}"
-        rise = temperature_k - (settings.ambient_c + ZERO_CELSIUS_K)
-        rows += [
-            _number("time_to_soc_{mark}_s", time_s if reached else None, of),
-            _number("temperature_rise_at_soc_{mark}_k", rise if reached else None, of),
-        ]
-    return rows
+def _at_marks(outcome: Outcome, settings: ChargeSettings) -> Iterator[float | None]:
+    """Yield time and rise in temperature at each mark; none where it was not reached."""
+    for _, time_s, temperature_k in outcome.book.marks.tolist():
+        reached = math.isfinite(time_s)
+        yield time_s if reached else None
+        yield temperature_k - (settings.ambient_c + ZERO_CELSIUS_K) if reached else None
 
 
 def _ratio(above: float, below: float) -> float | None:
