@@ -20,7 +20,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pipeline.cell.bank import compile_cells, new_room
-from pipeline.cell.circuit import FIRST_PAIR, OPEN_CIRCUIT, ZERO_CELSIUS_K
+from pipeline.cell.circuit import CELL, FIRST_PAIR, OPEN_CIRCUIT, ZERO_CELSIUS_K
 from pipeline.cell.curves import INVERSE, LOGARITHM
 from pipeline.cell.records import Battery
 from pipeline.charge import drive
@@ -57,6 +57,7 @@ FEW = 8
 AHEAD = 2
 """Blocks that are prepared before the charges of the first are wanted."""
 _CHUNKS = 8
+_NO_CELLS = np.zeros(0, dtype=CELL)
 
 Alone = Callable[[Task], Charge]
 
@@ -231,8 +232,10 @@ def _start(
     def finish() -> list[Charge | Failure]:
         for wait in waiting:
             wait()
+        # What has run does not hold on to room for cells.
+        done = block if block.lot is None else block._replace(lot=block.lot._replace(cells=_NO_CELLS))
         known.rooms.put(room)
-        return [singles[n]() if n in singles else _charge(block, n) for n in range(len(tasks))]
+        return [singles[n]() if n in singles else _charge(done, n) for n in range(len(tasks))]
 
     return finish
 

@@ -8,7 +8,6 @@ from typing import Any
 import numpy as np
 
 from pipeline.cell.records import Battery
-from pipeline.charge.checks import check
 from pipeline.charge.comparison import compared, level_of
 from pipeline.charge.records import ChargeSettings, EngineSettings, Mode
 from pipeline.charge.simulate import Supply, Task, simulate_many
@@ -42,6 +41,7 @@ def _reader(settings: Mapping[str, Any], values: Mapping[str, float], supply: Su
     battery = Battery.model_validate(tree["battery"])
     stage = SwitchedStage.model_validate(tree["converter"]["switched"])
     modes = {name: Mode.model_validate(mode) for name, mode in tree["modes"].items()}
+    engine = EngineSettings.model_validate(settings["engine"])
     window = settings["charge"]["windows"][0]
     charge = ChargeSettings.model_validate({**tree["charge"], "windows": [window], "soc_marks": []})
     end_s = window["start_s"] + 2.0 * window["length_s"]
@@ -50,10 +50,7 @@ def _reader(settings: Mapping[str, Any], values: Mapping[str, float], supply: Su
         sheet = compared(modes[mode], level_of(settings["comparisons"][comparison], modes), battery, None)
         # What comes after the window is of no interest.
         sheet = sheet.model_copy(update={"stop": sheet.stop.model_copy(update={"elapsed_s": end_s})})
-        check(battery, sheet, charge)
-        tasks[comparison, mode] = Task(
-            battery, sheet, supply, charge, EngineSettings.model_validate(settings["engine"])
-        )
+        tasks[comparison, mode] = Task(battery, sheet, supply, charge, engine)
     bus_v, samples = float(settings["bus_voltage_v"]), stage.samples_per_period
     found: list[tuple[columns.Place, View]] = []
     for (comparison, mode), done in zip(tasks, simulate_many(tasks.values()), strict=True):
