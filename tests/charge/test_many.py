@@ -1,5 +1,7 @@
 """Many charges at once are the charges one by one, bit for bit, and fail as they do."""
 
+from functools import cache
+
 import numpy as np
 import pytest
 from hypothesis import given
@@ -15,9 +17,11 @@ from pipeline.charge.records import ChargeSettings, EngineSettings, Mode, Window
 from pipeline.charge.simulate import BENCH, Supply, Task, simulate, simulate_many, try_many
 from pipeline.charge.soundness import EMPTY_V, FOUND, FULL_V, SOUND, START_V, WARM_FULL_V, look
 from pipeline.errors import EngineError, UserError
-from tests.charge.samples import BATTERIES, MODES, SUITED, battery, load, settings, suited_mode
+from tests.charge import samples
+from tests.charge.samples import BATTERIES, MODES, SUITED, load, settings, suited_mode
 from tests.charge.test_controller import NETWORK
 
+battery = cache(samples.battery)
 ENGINE = EngineSettings()
 SUN = Supply(
     np.array([0.0, 7.0, 20.0]), np.array([30.0, 4.0, 11.0]), np.array([1.1, 1.2, 1.3]), np.array([0.5, 0.0, 2.0])
@@ -257,6 +261,22 @@ def test_what_does_not_fit_stands_in_its_place():
                 assert "11 V does not charge" in str(found)
             else:
                 assert_same(found, simulate(*task))
+
+
+def test_whoever_of_a_group_does_not_fit_is_found_and_told_what_it_would_be_alone():
+    mode = suited_mode("cc_cv", "lfp_8ah")
+    stopped = mode.model_copy(update={"stop": mode.stop.model_copy(update={"soc": 0.81})})
+    asked = [
+        Task(battery("lfp_8ah"), stopped, BENCH, settings(soc), ENGINE)
+        for soc in (0.5, 0.8, 0.805, 0.82, 0.4, 0.6, 0.7, 0.9, 0.3, 0.809, 0.81)
+    ]
+    for task, found in zip(asked, try_many(asked), strict=True):
+        if task.settings.initial_soc < 0.81:
+            assert_same(found, simulate(*task))
+            continue
+        with pytest.raises(UserError, match=r"stop.soc: 0.81 is not above initial_soc") as alone:
+            simulate(*task)
+        assert str(found) == str(alone.value)
 
 
 def test_an_open_reference_is_refused_as_alone():
