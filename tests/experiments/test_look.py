@@ -108,9 +108,9 @@ def test_names_at_the_ends_of_curves_keep_their_distance_and_order():
     assert heights["c"] == pytest.approx(0.9)
 
 
-def drawing_with(fill):
+def drawing_with(fill, height_in=3.0):
     with style.active():
-        drawing = style.figure(3.0)
+        drawing = style.figure(height_in)
         fill(drawing.subplots())
     return drawing
 
@@ -162,3 +162,14 @@ def test_looking_finds_the_fault(fault):
 @pytest.mark.parametrize("what", list(GOOD))
 def test_looking_finds_nothing_where_nothing_is_wrong(what):
     assert found_in(GOOD[what]) == []
+
+
+@pytest.mark.parametrize("count", [1, 3, 7, 12])
+@pytest.mark.parametrize("words", ["CC", "constant current, stopped by temperature", "W" * 60])
+def test_a_legend_above_the_axes_is_as_wide_as_the_figure_allows(count, words):
+    from matplotlib.lines import Line2D
+
+    keys = [Line2D([], [], label=f"{words} {number}") for number in range(count)]
+    drawing = drawing_with(lambda axes: (axes.plot(T, T), style.above(axes.figure, keys)), height_in=6.0)
+    with style.active():
+        assert faults(drawing) == []

@@ -140,7 +140,42 @@ def handles(titles: dict[str, str], found: dict[str, Mark], markers: bool = True
 
 def legend(drawing: Figure, titles: dict[str, str], found: dict[str, Mark], markers: bool = False) -> None:
     """Put one legend of the modes above all axes."""
-    drawing.legend(handles=handles(titles, found, markers), loc="outside upper center", ncols=min(len(found), 4) or 1)
+    above(drawing, handles(titles, found, markers), size=10.0)
+
+
+def above(
+    drawing: Figure, keys: Sequence[Any], labels: Sequence[str] | None = None, size: float = 9.0, **look: Any
+) -> None:
+    """Put a legend above all axes, in as many columns as the width of the figure has room for.
+
+    Arguments
+    ---------
+    keys : what is told; each bears its words, or `labels` has them.
+    size : of the letters [points].
+    look : further arguments of matplotlib's legend.
+    """
+    import numpy as np
+
+    words = list(labels) if labels is not None else [str(key.get_label()) for key in keys]
+    if not words:
+        return
+    handle = look.setdefault("handlelength", 3.2)
+    # A letter is 0.6 of its size wide on the average; gaps are matplotlib's own, in sizes of the letters.
+    room = 72.0 * float(drawing.get_figwidth()) / size - 2.0
+    columns = next(
+        (
+            count
+            for count in range(min(len(words), _MOST_COLUMNS), 1, -1)
+            if sum(0.6 * max(map(len, part)) + handle + 2.8 for part in np.array_split(words, count)) < room
+        ),
+        1,
+    )
+    # As many entries in every column, but for the last.
+    columns = -(-len(words) // -(-len(words) // columns))
+    drawing.legend(keys, words, loc="outside upper center", ncols=columns, fontsize=size, **look)
+
+
+_MOST_COLUMNS = 6
 
 
 def nothing(axes: Axes, why: str, across: str = "", up: str = "") -> None:

@@ -30,7 +30,10 @@ DIAGRAMS = {"algorithm", "circuit"}
 
 
 def test_figures_of_charges_draw_on_every_kind_of_run(name, card, data):
-    units_stand_on_the_axes(name, card, drawn(card, data))
+    drawing = drawn(card, data)
+    units_stand_on_the_axes(name, card, drawing)
+    with style.active():
+        assert faults(drawing) == []
 
 
 def units_stand_on_the_axes(name, card, found) -> None:

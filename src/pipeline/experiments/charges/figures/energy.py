@@ -90,7 +90,7 @@ def _legend(drawing: Figure, fields: Iterable[Axes], parts: Mapping[str, style.P
     if any(line.get_marker() == "^" for axes in fields for line in axes.lines):
         handles.append(Line2D([], [], **_NET, label="sum"))
     if handles:
-        drawing.legend(handles=handles, loc="outside upper center", ncols=4, fontsize=9, handlelength=2.0)
+        style.above(drawing, handles, handlelength=2.0)
 
 
 _NET: dict[str, Any] = {"marker": "^", "color": "#000000", "markeredgecolor": "white", "linestyle": "", "markersize": 7}

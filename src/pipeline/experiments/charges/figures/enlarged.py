@@ -109,7 +109,7 @@ def _tell(drawing: Figure, data: ReportData, modes: list[str], is_switched: bool
             Patch(facecolor=style.GREY, alpha=0.35, label="range within a switching period"),
             Line2D([], [], **_FOLLOWED, label="the charge that is followed"),
         ]
-    drawing.legend(handles=handles, loc="outside upper center", ncols=len(handles), fontsize=9, handlelength=2.0)
+    style.above(drawing, handles, handlelength=2.0)
 
 
 def _windows(data: ReportData, strips: list[tuple[str, str]], options: Options) -> list[int]:

@@ -112,7 +112,7 @@ def draw(figure: FigureCard, data: ReportData) -> Figure:
     seen = {mode for comparison in comparisons for mode in data.charged(comparison)}
     titles = {mode: label.title for mode, label in data.modes.items()}
     found: list[Artist] = list(style.handles(titles, {mode: mark for mode, mark in marks.items() if mode in seen}))
-    drawing.legend(handles=[*found, *keys.values()], loc="outside upper center", ncols=4)
+    style.above(drawing, [*found, *keys.values()], size=10.0)
     return drawing
 
 

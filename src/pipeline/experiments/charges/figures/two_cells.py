@@ -53,5 +53,5 @@ def draw(figure: FigureCard, data: ReportData) -> Figure:
         axes.set_xlabel("Time [h]")
     titles = {mode: label.title for mode, label in data.modes.items()}
     shown = style.handles(titles, {mode: mark for mode, mark in marks.items() if mode in seen})
-    drawing.legend(handles=[*shown, *([key_of_band()] if is_pulsed else [])], loc="outside upper center", ncols=4)
+    style.above(drawing, [*shown, *([key_of_band()] if is_pulsed else [])], size=10.0)
     return drawing

@@ -94,7 +94,7 @@ def draw(figure: FigureCard, data: ReportData) -> Figure:
         axes.grid(False, axis="y")
     fields[-1].set_xlabel(_LABELS[options.quantity])
     handles = [Patch(**style.filled(part), label=words[key]) for key, part in parts.items()]
-    drawing.legend(handles=handles, loc="outside upper center", ncols=3, fontsize=9, handlelength=2.0)
+    style.above(drawing, handles, handlelength=2.0)
     return drawing
 
 

@@ -171,7 +171,7 @@ def _legend(drawing: Figure, data: ReportData) -> None:
         Patch(facecolor=_UNUSED, label="power the battery could have"),
     ]
     handles += [Patch(**style.filled(part), label=words) for words, part in _STATES.values()]
-    drawing.legend(handles=handles, loc="outside upper center", ncols=5, fontsize=9)
+    style.above(drawing, handles)
 
 
 def _is_shown(data: ReportData, mode: str) -> bool:

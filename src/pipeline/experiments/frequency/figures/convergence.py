@@ -125,11 +125,8 @@ def _legend(drawing: Figure, axes: Axes, runs: _Runs) -> None:
     styles = [style.MARKS[place % len(style.MARKS)] for place in range(len(runs.values))]
     drawn = tuple(Line2D([], [], color=mark.colour, marker=mark.marker, markersize=4, linewidth=1.3) for mark in styles)
     every: list[Any] = [*handles, drawn]
-    drawing.legend(
-        every, [*labels, f"{len(drawn)} runs, as published"], loc="outside upper center", ncols=3,
-        fontsize=9,
-        handlelength=1.8, handler_map={tuple: HandlerTuple(ndivide=None, pad=0.1)},
-    )  # fmt: skip
+    labels.append(f"{len(drawn)} runs, as published")
+    style.above(drawing, every, labels, handlelength=1.8, handler_map={tuple: HandlerTuple(ndivide=None, pad=0.1)})
 
 
 def _runs(data: ReportData, search: str, column: str) -> _Runs:

@@ -41,7 +41,7 @@ def draw(figure: FigureCard, data: ReportData) -> Figure:
     whole, close = drawing.subplots(1, 2, width_ratios=(1.75, 1.0))
     _parts(whole, loss, numbers)
     _flatness(close, loss, numbers)
-    drawing.legend(*whole.get_legend_handles_labels(), loc="outside upper center", ncols=3, fontsize=9)
+    style.above(drawing, *whole.get_legend_handles_labels())
     return drawing
 
 

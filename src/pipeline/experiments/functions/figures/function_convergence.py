@@ -84,7 +84,7 @@ def draw(figure: FigureCard, data: ReportData) -> Figure:
     ]
     if options.published_goal is not None:
         keys.append(style.key_of_published("goal of the paper"))
-    drawing.legend(handles=keys, loc="outside upper center", ncols=3, fontsize=9)
+    style.above(drawing, keys)
     return drawing
 
 

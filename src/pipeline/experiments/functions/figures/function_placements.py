@@ -71,7 +71,7 @@ def draw(figure: FigureCard, data: ReportData) -> Figure:
     ]
     if options.published_goal is not None:
         handles.append(style.key_of_published("goal of the paper"))
-    drawing.legend(handles=handles, loc="outside upper center", ncols=len(handles))
+    style.above(drawing, handles, size=10.0)
     return drawing
 
 

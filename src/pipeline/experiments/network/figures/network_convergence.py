@@ -67,7 +67,7 @@ def draw(figure: FigureCard, data: ReportData) -> Figure:
     title = f"Generation {used}: best {best[chosen, used]:.4g}, mean {mean[chosen, used]:.4g}"
     axes.set(xlabel="Generation", ylabel="Mean square error [(C-rate)²]", yscale="log", title=title)
     axes.set_xlim(0.0, generation[-1])
-    drawing.legend(*axes.get_legend_handles_labels(), loc="outside upper center", ncols=4, fontsize=9)
+    style.above(drawing, *axes.get_legend_handles_labels())
     return drawing
 
 

@@ -81,5 +81,5 @@ def draw(figure: FigureCard, data: ReportData) -> Figure:
         Line2D([], [], color=style.MARKS[2].colour, marker="D", linestyle="", label="neuro-fuzzy system, trained once"),
         Line2D([], [], label="published", **style.PUBLISHED_POINT),
     ]
-    drawing.legend(handles=keys if options.published else keys[:-1], loc="outside upper center", ncols=4, fontsize=9)
+    style.above(drawing, keys if options.published else keys[:-1])
     return drawing

@@ -59,7 +59,5 @@ def draw(figure: FigureCard, data: ReportData) -> Figure:
         axes.set_ylabel(label)
         axes.set_xlabel("State of charge [%]")
         axes.set_ylim(bottom=0.0)
-    drawing.legend(
-        handles=style.handles(titles, seen), loc="outside upper center", ncols=2,
-    )  # fmt: skip
+    style.above(drawing, style.handles(titles, seen), size=10.0)
     return drawing

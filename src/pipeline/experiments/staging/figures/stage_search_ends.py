@@ -71,7 +71,7 @@ def draw(figure: FigureCard, data: ReportData) -> Figure:
     for name, mark in seen.items():
         keys += [Line2D([], [], label=titles[name], color=mark.colour, marker=mark.marker, linestyle="")]
         keys += [Line2D([], [], color=mark.colour, label=f"mean of {titles[name]}", **_mean(mark))]
-    drawing.legend(handles=keys, loc="outside upper center", ncols=4)
+    style.above(drawing, keys, size=10.0)
     return drawing
 
 

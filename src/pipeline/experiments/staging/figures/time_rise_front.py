@@ -55,7 +55,7 @@ def draw(figure: FigureCard, data: ReportData) -> Figure:
     for axes in rows.ravel():
         axes.set_xlabel("Charging time [s]")
     handles, labels = rows[0, 0].get_legend_handles_labels()
-    drawing.legend(handles, labels, loc="outside upper center", ncols=4)
+    style.above(drawing, handles, labels, size=10.0)
     return drawing
 
 

@@ -108,11 +108,11 @@ def _tell(drawing: Figure, spare: Axes | None, quantity: str, marks: list[style.
         found.append((Line2D([], [], color=style.GREY, linewidth=1.0, alpha=0.8), "the inductor's current"))
     found.append((Line2D([], [], color=style.GREY, linewidth=0.8, linestyle=":"), "the charge asks for the step"))
     handles, labels = zip(*found, strict=True)
-    look: dict[str, Any] = {"fontsize": 9, "handler_map": {tuple: HandlerTuple(ndivide=None, pad=0.2)}}
+    look: dict[str, Any] = {"handler_map": {tuple: HandlerTuple(ndivide=None, pad=0.2)}}
     if spare is not None:
-        spare.legend(handles, labels, loc="center left", **look)
+        spare.legend(handles, labels, loc="center left", fontsize=9, **look)
     else:
-        drawing.legend(handles, labels, loc="outside upper center", ncols=3, **look)
+        style.above(drawing, handles, labels, **look)
 
 
 def _step(axes: Axes, own: Columns, quantity: str, mark: style.Mark) -> None:

@@ -54,5 +54,5 @@ def draw(figure: FigureCard, data: ReportData) -> Figure:
         axes.set_title(f"{low:g} to {high:g} W/m²")
         axes.set_xlabel("Slope [W/m²/s]")
     fields[0].set_ylabel("Not captured [%]")
-    drawing.legend(handles=style.handles(dict(names), marks), loc="outside upper center", ncols=3)
+    style.above(drawing, style.handles(dict(names), marks), size=10.0)
     return drawing

@@ -63,5 +63,5 @@ def draw(figure: FigureCard, data: ReportData) -> Figure:
     fields[0].annotate(
         "available", (0.0, 1.0), xycoords="axes fraction", xytext=(4, -12), textcoords="offset points", color=style.GREY
     )
-    drawing.legend(handles=style.handles(dict(names), marks, False), loc="outside upper center", ncols=3)
+    style.above(drawing, style.handles(dict(names), marks, False), size=10.0)
     return drawing

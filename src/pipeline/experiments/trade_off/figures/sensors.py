@@ -72,7 +72,7 @@ def draw(figure: FigureCard, data: ReportData) -> Figure:
     handles = style.handles({mode: data.modes[mode].title for mode in modes}, {mode: marks[mode] for mode in modes})
     for handle in handles:
         handle.set_linestyle("")
-    drawing.legend(handles=handles, loc="outside upper center", ncols=4)
+    style.above(drawing, handles, size=10.0)
     return drawing
 
 

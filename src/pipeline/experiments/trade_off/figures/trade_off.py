@@ -139,4 +139,4 @@ def _legend(drawing: Figure, table: Columns, data: ReportData) -> None:
         for mode, one in data.modes.items()
         if mode in table["law"]
     ]
-    drawing.legend(handles=handles, loc="outside upper center", ncols=2, fontsize=9)
+    style.above(drawing, handles)
