@@ -20,7 +20,6 @@ Array = NDArray[np.float64]
 NORMAL_95 = 1.959963984540054
 _CHI2_95 = NORMAL_95**2
 _AT_BOUND = 1e-3
-_ROUNDS = 4
 
 
 class Certainty(NamedTuple):
@@ -115,41 +114,42 @@ def settle(problem: Problem, vector: Array, robust: float) -> tuple[Problem, Res
     """
     left: list[str] = []
     result = solve(problem, vector, robust, 20)
-    for _ in range(_ROUNDS):
+    for _ in range(len(vector)):
         covariance, _ = covariance_of(problem, result.vector, robust)
-        dropped = _drop(problem.model, result.vector, covariance)
-        if not dropped:
+        dropped = _least_known(problem.model, result.vector, covariance)
+        if dropped is None:
             break
-        left += dropped
-        kept = np.array([path not in dropped for path in problem.model.paths], dtype=bool)
-        model = problem.model.without(dropped)
+        left.append(dropped)
+        kept = np.array([path != dropped for path in problem.model.paths], dtype=bool)
         evaluations = problem.evaluations
-        problem = Problem(model, problem.parts, problem.spread)
+        problem = Problem(problem.model.without([dropped]), problem.parts, problem.spread)
         problem.evaluations = evaluations
-        result = solve(problem, result.vector[kept], robust, 20)
+        result = solve(problem, result.vector[kept], robust, 10)
     return problem, result, left
 
 
-def _drop(model: Model, vector: Array, covariance: Array) -> list[str]:
-    """Return what is not identified, dropped one by one: fixing the worst may identify the others."""
-    paths, mixing = model.paths, model.mixing()
-    information = _inverse(covariance)
-    kept = list(range(len(vector)))
-    table = np.array([".value." in path for path in paths], dtype=bool)
-    dropped = []
-    while kept:
-        # Conditional on what was dropped; of a table the places of its points are left as they are.
-        spread = np.full(len(vector), np.nan)
-        spread[kept] = np.diag(
-            mixing[np.ix_(kept, kept)] @ _inverse(information[np.ix_(kept, kept)]) @ mixing[np.ix_(kept, kept)].T
-        )
-        share = np.where(table | np.isnan(spread), -1.0, _shares(model, vector, np.nan_to_num(spread)))
-        worst = int(np.argmax(share))
-        if share[worst] < 1.0:
-            break
-        dropped.append(paths[worst])
-        kept.remove(worst)
-    return dropped
+def _least_known(model: Model, vector: Array, covariance: Array) -> str | None:
+    """Return the number whose prior takes least from the fit, of those that are known no better than by it.
+
+    Only one: with it at its prior the others may be known well, as series resistance is beside a pair too fast to see.
+    None where every number is known better than by its prior, or so far from it that the measurement rules it out.
+    """
+    if not len(vector):
+        return None
+    share, away = _beside_priors(model, vector, covariance)
+    table = np.array([".value." in path for path in model.paths], dtype=bool)
+    open_ = ~table & (share >= 1.0) & ((away < NORMAL_95) | np.isinf(share))
+    if not open_.any():
+        return None
+    return model.paths[int(np.argmin(np.where(open_, away, np.inf)))]
+
+
+def _beside_priors(model: Model, vector: Array, covariance: Array) -> tuple[Array, Array]:
+    """Return each interval's half-width over that of its prior, and how far a number is from it, in deviations."""
+    mixing = model.mixing()
+    spread = np.maximum(np.diag(mixing @ covariance @ mixing.T), 1e-300)
+    moved = mixing @ (vector - model.start())
+    return _shares(model, vector, spread), np.abs(moved) / np.sqrt(spread)
 
 
 def certainty_of(problem: Problem, result: Result, robust: float, profiles: int = 12) -> Certainty:
@@ -167,8 +167,9 @@ def certainty_of(problem: Problem, result: Result, robust: float, profiles: int 
     covariance, effective = covariance_of(problem, vector, robust)
     mixing = problem.model.mixing()
     spread = np.diag(mixing @ covariance @ mixing.T)
-    share = _shares(problem.model, vector, spread)
-    known = share < 1.0
+    share, away = _beside_priors(problem.model, vector, covariance)
+    table = np.array([".value." in path for path in problem.model.paths], dtype=bool)
+    known = (share < 1.0) | (~table & np.isfinite(share) & (away >= NORMAL_95))
     numbers, half = mixing @ vector, NORMAL_95 * np.sqrt(np.maximum(spread, 0.0))
     low, high = numbers - half, numbers + half
     alone = [place for place, path in enumerate(problem.model.paths) if ".value." not in path and known[place]]

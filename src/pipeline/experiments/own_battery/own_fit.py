@@ -38,9 +38,11 @@ def run(settings: Mapping[str, Any], inputs: Inputs, output: Output) -> None:
     }
     rng = np.random.default_rng(np.random.SeedSequence([int(settings["seed"]), 0]))
     found = fitted(battery, records, fit, ranges, rng)
-    best, soc = found.problem.model.card(found.result.vector)
+    best, fitted_socs = found.problem.model.card(found.result.vector)
+    known = iter(fitted_socs)
     # Everything is chosen: only now the rows that were held out are looked at.
-    socs = [_soc_of(best, one, soc[place]) for place, one in enumerate(records)]
+    seen = {place: next(known) for place, one in enumerate(records) if not one.held_out.all()}
+    socs = [seen[place] if place in seen else _soc_unseen(one, records, seen) for place, one in enumerate(records)]
     errors = list(_errors(best, records, socs))
     output.rows("structures", _structures(found))
     output.rows("parameters", list(card.parameters(found, battery)))
@@ -124,13 +126,16 @@ def _numbers_of(values: NDArray[Any]) -> Array:
     return np.array([np.nan if value is None else value for value in values.tolist()], dtype=np.float64)
 
 
-def _soc_of(best: Battery, record: Record, fitted_soc: float) -> float:
-    """Return the state of charge at the start of a record; of one that the fit never saw, from its first voltage."""
-    from pipeline.experiments.own_battery.plausible import soc_at_start
+def _soc_unseen(one: Record, records: Sequence[Record], seen: Mapping[int, float]) -> float:
+    """Return the state of charge at the start of a record that the fit never saw.
 
-    if record.held_out.all() and not record.stated:
-        return soc_at_start(record.series, best)
-    return fitted_soc
+    It is stated, or that of the fitted record whose first voltage is nearest to its own: near full a voltage at rest
+    tells little, and its records begin alike.
+    """
+    if one.stated:
+        return one.soc
+    first = float(one.series.voltage_v[0])
+    return seen[min(seen, key=lambda place: abs(float(records[place].series.voltage_v[0]) - first))]
 
 
 def _replayed(best: Battery, series: Thinned, soc: float) -> tuple[Array, Array, Array]:
