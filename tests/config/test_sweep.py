@@ -48,6 +48,12 @@ def test_what_is_common_to_runs_is_planned_once(plan: dict[str, Any]) -> None:
     }
 
 
+def test_statements_that_summaries_of_charges_answer_are_asked_of_every_run(plan: dict[str, Any]) -> None:
+    names = {one["name"] for one in plan["nodes"][plan["runs"][0]["nodes"]["sweep"]["key"]]["settings"]["statements"]}
+    assert {"cc_cv_fastest_same_peak", "reflex_cooler_same_mean"} <= names
+    assert "frequency_converges_at_90_hz" not in names
+
+
 def test_charges_are_at_least_twice_as_many_jobs_as_cores(plan: dict[str, Any]) -> None:
     jobs = [chunk for chunk in plan["chunks"].values() if chunk["step"] == "charge"]
     assert len(jobs) >= 4

@@ -20,6 +20,7 @@ from pipeline.errors import UserError, best_matches
 from pipeline.kernel import digest, plan, registry, sweeps
 from pipeline.kernel.draft import drafted, paths, plain
 from pipeline.kernel.experiment import Draft, Node
+from pipeline.published.records import read_tables, read_values
 
 Watch = Callable[[Iterable[Any]], Iterable[Any]]
 _MOST_WARNINGS = 8
@@ -295,10 +296,23 @@ def _closing(
     of_page = told | {"command": command, "files": [f"{folder}/{file}" for file in files]}
     table, page = (registry.steps()[step].name for step in ("sweep", "sweep_page"))
     label = f"{study}.{name}"
+    gathered = told | {"runs": listed, "statements": _statements(root, runs)}
     return (
-        Draft(table, table, label, told | {"runs": listed}, inputs, (), files, "results", ()),
+        Draft(table, table, label, gathered, inputs, (), files, "results", ()),
         Draft(page, page, label, of_page, {table: table}, (), {"*": ""}, "reports", ()),
     )
+
+
+def _statements(root: Any, runs: Sequence[sweeps.SweepRun]) -> list[dict[str, Any]]:
+    """Return the published statements that the summaries of a run's charges answer."""
+    nodes = {node for run in runs for node in run.keys}
+    found = []
+    for name, stated in root.published.items():
+        read = read_values(stated)
+        of_charges = read and all(value.table == "summary" and value.artefact in nodes for value in read)
+        if of_charges and stated.basis == "model" and stated.check is not None and not read_tables(stated):
+            found.append({"name": name, "statement": plain(stated)})
+    return found
 
 
 def _check_names(study: str, runs: Sequence[sweeps.SweepRun]) -> None:

@@ -58,12 +58,30 @@ KEYS = [
 ]
 
 
+STATED = {
+    "where": "page 1",
+    "says": "constant current is the fastest",
+    "reading": "",
+    "basis": "model",
+    "unit": "s",
+    "check": {
+        "smallest": {
+            "value": "time_to_soc_0.95_s of charge/same_peak/cc_cv",
+            "among": ["time_to_soc_0.95_s of charge/same_peak/cv_reflex"],
+            "by": 60,
+        }
+    },
+}
+
+
 @pytest.fixture
 def table(tmp_path: Path) -> Path:
     runs, inputs = _runs(tmp_path / "charges")
     made = tmp_path / "sweep"
     made.mkdir()
-    sweep.run({"keys": KEYS, "runs": runs}, inputs, Output(made, {}))
+    sweep.run(
+        {"keys": KEYS, "runs": runs, "statements": [{"name": "fastest", "statement": STATED}]}, inputs, Output(made, {})
+    )
     return made
 
 
@@ -83,6 +101,13 @@ def test_the_table_is_typed_and_has_units(table: Path) -> None:
     assert rows["cv_reflex.missed"] == ["", "far", None]
 
 
+def test_a_statement_is_met_missed_or_not_answered_by_each_run(table: Path) -> None:
+    found = pq.read_table(table / "runs.parquet")
+    # As fast; the other one does not get there; there is no other one.
+    assert found.column("met.fastest").to_pylist() == [False, True, None]
+    assert b"constant current is the fastest" in found.schema.field("met.fastest").metadata[b"description"]
+
+
 def test_the_same_stands_in_csv(table: Path) -> None:
     found = pq.read_table(table / "runs.parquet").to_pydict()
     with (table / "runs.csv").open(newline="", encoding="utf-8") as file:
@@ -99,7 +124,7 @@ def test_a_summary_of_another_form_is_refused(tmp_path: Path) -> None:
     file = tmp_path / "charges" / "0cc_cv" / "summary.parquet"
     tables.write(phases, {column.name: [] for column in phases.columns}, file)
     with pytest.raises(tables.TableError, match="not a charge_summary table"):
-        sweep.run({"keys": KEYS, "runs": runs}, inputs, Output(tmp_path / "sweep", {}))
+        sweep.run({"keys": KEYS, "runs": runs, "statements": []}, inputs, Output(tmp_path / "sweep", {}))
 
 
 def test_the_line_of_the_readme_reads_it_with_pandas(table: Path, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
@@ -12,7 +13,13 @@ from pipeline.experiments.sweeps.reading import CSV, TABLE, kind_of, prefixes
 from pipeline.kernel import tables
 from pipeline.kernel.artefacts import Inputs, Output
 from pipeline.kernel.tables import Column, Kind, Table, TableError, TableFile
+from pipeline.published import ensemble
+from pipeline.published.artefacts import Unanswerable
+from pipeline.published.predicates import apply
+from pipeline.published.records import Statement
 
+Summary = Mapping[str, list[Any]]
+"""Columns of a charge's summary."""
 Found = dict[str, tuple[Any, Column]]
 """Name of a column -> its value in a run, and how it is declared."""
 
@@ -21,7 +28,8 @@ def run(settings: Mapping[str, Any], inputs: Inputs, output: Output) -> None:
     """Gather the outcomes of all runs."""
     listed = settings["runs"]
     prefix = prefixes([node for run in listed for node in run["nodes"]])
-    rows = [_row(run["nodes"], inputs, prefix) for run in listed]
+    statements = {one["name"]: Statement.model_validate(one["statement"]) for one in settings["statements"]}
+    rows = [_row(run["nodes"], inputs, prefix, statements) for run in listed]
     declared: dict[str, Column] = {}
     for row in rows:
         for name, (_, column) in row.items():
@@ -45,20 +53,46 @@ def run(settings: Mapping[str, Any], inputs: Inputs, output: Output) -> None:
     pc.write_csv(pq.read_table(output.folder / TABLE), output.folder / CSV)
 
 
-def _row(nodes: Mapping[str, str], inputs: Inputs, prefix: Mapping[str, str]) -> Found:
+def _row(
+    nodes: Mapping[str, str], inputs: Inputs, prefix: Mapping[str, str], statements: Mapping[str, Statement]
+) -> Found:
     """Return what came of the charges of a run; `nodes` says under which name each is an input."""
-    return {name: found for node, source in nodes.items() for name, found in _outcomes(inputs, source, prefix[node])}
+    summaries = {node: _summary(inputs, source) for node, source in nodes.items()}
+    found = {name: one for node, own in summaries.items() for name, one in _outcomes(own, prefix[node])}
+    declared = next((inputs.declared(source, "summary") for source in nodes.values()), None)
+    return found if declared is None else found | dict(_met(summaries, declared, statements))
 
 
-def _outcomes(inputs: Inputs, source: str, prefix: str) -> Iterator[tuple[str, tuple[Any, Column]]]:
+def _outcomes(summary: Summary, prefix: str) -> Iterator[tuple[str, tuple[Any, Column]]]:
     """Yield the columns that a charge fills in its run's row."""
-    for name, value, text, unit, description in zip(*_summary(inputs, source), strict=True):
+    names = ("quantity", "value", "text", "unit", "description")
+    for name, value, text, unit, description in zip(*(summary[name] for name in names), strict=True):
         kind: Kind = "number" if unit else "text"
         column = Column(f"{prefix}.{name}", unit, description, kind, optional=True)
         yield column.name, (value if unit else text or "", column)
 
 
-def _summary(inputs: Inputs, source: str) -> Sequence[list[Any]]:
+def _met(
+    summaries: Mapping[str, Summary], declared: TableFile, statements: Mapping[str, Statement]
+) -> Iterator[tuple[str, tuple[Any, Column]]]:
+    """Yield whether each published statement is true of a run's own numbers; nothing where they do not answer it."""
+    held = {}
+    for node, summary in summaries.items():
+        # A number that a charge did not get to is empty.
+        values = [math.nan if value is None else value for value in summary["value"]]
+        held[node] = {"summary": {**summary, "value": values}}
+    reader = ensemble.reader(held, {"charge": {"summary": declared}})
+    for name, stated in statements.items():
+        column = Column(f"met.{name}", "", f"true of the run's own numbers: {stated.says}", "truth", optional=True)
+        try:
+            found = stated.check is not None and apply(stated.check, reader, stated.unit).holds
+        except Unanswerable:
+            yield column.name, (None, column)
+        else:
+            yield column.name, (bool(found), column)
+
+
+def _summary(inputs: Inputs, source: str) -> Summary:
     """Return the columns of a charge's summary; refuse a file that is not what was declared."""
     file = inputs.declared(source, "summary")
     if file is None:
@@ -67,7 +101,7 @@ def _summary(inputs: Inputs, source: str) -> Sequence[list[Any]]:
     found = pq.ParquetFile(inputs[source] / file.file).read()
     if not found.schema.equals(_schema(file)):
         raise TableError(f"{inputs[source] / file.file}: not a {file.table.name} table")
-    return [column.to_pylist() for column in found.columns]
+    return {name: found.column(name).to_pylist() for name in found.column_names}
 
 
 def _schema(file: TableFile) -> Any:
