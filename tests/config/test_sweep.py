@@ -87,6 +87,19 @@ def test_the_second_battery_is_charged_where_it_is_asked_for_or_swept(
     assert {name.split("/")[1] for name in nodes} == kinds
 
 
+def test_traces_are_shown_in_the_folder_of_each_run_where_they_are_kept(plan: dict[str, Any]) -> None:
+    def traces(plan: dict[str, Any]) -> set[str]:
+        return {item["place"] for item in plan["runs"][0]["view"] if item["place"].endswith(".bdf.parquet")}
+
+    kept = make_sweep(["modes.run=[cc_cv]", "modes.cc_cv.max_current_a=1,2"], Asked(keep=("traces",)), 2)
+    assert traces(plan) == set()
+    assert traces(kept) == {
+        f"cc_cv.max_current_a={current_a}/charge/{comparison}/cc_cv.bdf.parquet"
+        for current_a in (1, 2)
+        for comparison in ("same_peak", "same_mean")
+    }
+
+
 def test_words_of_the_sweep_are_taken_out() -> None:
     words, wanted = asked([*WORDS, "sweep.name=mine", "sweep.keep=[traces]"])
     assert words == WORDS

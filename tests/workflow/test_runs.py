@@ -87,10 +87,12 @@ def test_a_sweep_shares_what_is_the_same(project: Project) -> None:
     plans = sorted((project.folder / "results/plan").glob("*.json"), key=lambda path: path.stat().st_mtime)
     plan = json.loads(plans[-1].read_text())
     steps = [node["step"] for node in plan["nodes"].values()]
-    assert len(plan["runs"]) == 2
+    assert list(plan["runs"][0]["sweep"]) == ["battery=lead_acid_12v7ah", "battery=lead_acid_12v18ah"]
     assert steps.count("panel") == steps.count("supply") == steps.count("engine") == 1
-    # Three of each battery in each run; those of the second that wait for no frequency are the same.
-    assert steps.count("charge") == 11
+    # Of each battery the constant current, which both comparisons leave as it is, and the pulses in each of them.
+    assert steps.count("charge") == 6
+    assert steps.count("sweep") == steps.count("sweep_page") == 1
+    assert not {"figures", "page", "verdicts", "ensemble"} & set(steps)
 
 
 MISTAKES = {

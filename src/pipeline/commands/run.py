@@ -34,8 +34,11 @@ def main(arguments: Sequence[str]) -> int:
     if unknown:
         raise UserError(f"option {unknown[0]}: unknown; see python -m pipeline --help")
     words = [*options_.overrides, *overrides]
+    alone = [word for word in words if word.startswith("sweep.")]
+    if alone and (not options_.multirun or options_.target != "all"):
+        raise UserError(f"override {alone[0]}: of a sweep alone: -m, and no part of it by -t")
     if options_.cfg or options_.info:
-        for run in _expanded(words, options_.multirun):
+        for run in _expanded([word for word in words if word not in alone], options_.multirun):
             print(_look(run, options_), end="")
         return 0
     swept = options_.multirun and options_.target == "all"

@@ -122,6 +122,7 @@ class _Planner:
     memory: Memory = field(default_factory=Memory)
     nodes: dict[str, Draft] = field(default_factory=dict)
     inputs: dict[str, dict[str, str]] = field(default_factory=dict)
+    shown: dict[str, Mapping[str, str]] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
         self._compositions = Compositions(self.memory)
@@ -145,6 +146,7 @@ class _Planner:
         drafts: dict[str, Draft] = {}
         keys: dict[str, str] = {}
         for node in kept:
+            self.shown[node.name] = dict(node.shown)
             self._key(node.name, by_name, study, drafts, keys)
         check_effort(composed, study, list(drafts.values()))
         if not any(node.name.startswith("second_") for node in kept):
@@ -256,7 +258,7 @@ def _sweep(study: str, gathered: _Gathered, asked: Asked, command: str, planner:
         nodes={key: planner.nodes[key] for key in planner.nodes if key in nodes},
         inputs={key: planner.inputs[key] for key in nodes},
         closing=_closing(study, name, command, root, columns, runs),
-        shown=_shown(planner, runs) if "traces" in asked.keep else {},
+        shown=planner.shown if "traces" in asked.keep else {},
         warnings=tuple(warnings),
     )
 
@@ -269,11 +271,6 @@ def _behind(keys: Iterable[str], planner: _Planner) -> set[str]:
             seen.add(key)
             waiting.extend(planner.inputs[key].values())
     return seen
-
-
-def _shown(planner: _Planner, runs: Sequence[sweeps.SweepRun]) -> dict[str, dict[str, str]]:
-    """Return name of a run's node -> file -> its place in the run's folder."""
-    return {name: dict(planner.nodes[key].shown) for run in runs for name, key in run.keys.items()}
 
 
 def _closing(
