@@ -35,9 +35,11 @@ def through(runs: Iterable[Any]) -> Iterator[Any]:
     for number, run in enumerate(listed):
         yield run
         now = time.monotonic()
-        if now - begun > QUIET_S and now - shown > max(QUIET_S, (now - begun) / _LINES):
+        if number == 0:  # takes longer than any other
+            begun = now
+        elif now - begun > QUIET_S and now - shown > max(QUIET_S, (now - begun) / _LINES):
             shown = now
-            left = (now - begun) / (number + 1) * (len(listed) - number - 1)
+            left = (now - begun) / number * (len(listed) - number - 1)
             say(f"planned {number + 1} of {len(listed)} runs, {left:.0f} s left")
 
 
