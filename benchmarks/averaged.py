@@ -98,10 +98,10 @@ def _against_edge(case: Case, frequency_hz: float, compile_s: float) -> list[Row
 
 
 def _populations() -> Iterator[Row]:
-    """Yield a charge of a population against the same by itself, and two threads against one.
+    """Yield a charge of a population, its summary read, against the same by itself; two threads against one.
 
-    The batteries are the common model with its resistances, time constants and heat capacity scattered by a fifth. The
-    summary of each charge is read, tables are not.
+    The batteries are the common model with its resistances, time constants and heat capacity scattered by a fifth. Two
+    threads share what runs until all charges are there; summaries and tables are made afterwards, where they are read.
     """
     random = np.random.default_rng(1)
     batteries = [_scattered(common_model.battery(), random.uniform(0.8, 1.2, 4)) for _ in range(SIZE)]
@@ -109,19 +109,20 @@ def _populations() -> Iterator[Row]:
         mode = sheets.reflex(SECONDS, limit_v=limit_v)
         tasks = [_task(battery, mode) for battery in batteries]
         runs: dict[str, Callable[[], object]] = {
-            "two threads": partial(_read, tasks, 2),
-            "one thread": partial(_read, tasks, 1),
+            "together": partial(_read, tasks),
             "one by one": partial(_one_by_one, tasks),
+            "two threads": partial(simulate_many, tasks, 2),
+            "one thread": partial(simulate_many, tasks, 1),
         }
-        runs["two threads"]()
+        runs["together"]()
         one = {run: times.scaled(1.0 / SIZE) for run, times in interleaved(runs).items()}
         title = f"a charge among {SIZE} of an hour, {name}"
-        yield compared(title, "by itself", one["two threads"], one["one by one"], figure)
+        yield compared(title, "by itself", one["together"], one["one by one"], figure)
         yield compared(f"{title}, two threads", "one thread", one["two threads"], one["one thread"], Figure(1.7))
 
 
-def _read(tasks: Sequence[Task], threads: int) -> list[object]:
-    return [charge.summary for charge in simulate_many(tasks, threads)]
+def _read(tasks: Sequence[Task]) -> list[object]:
+    return [charge.summary for charge in simulate_many(tasks)]
 
 
 def _one_by_one(tasks: Sequence[Task]) -> list[object]:
