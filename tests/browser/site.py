@@ -46,6 +46,7 @@ def charges() -> list[traces.Trace]:
         (("cc", 1.0, "peak"), ("pulse", 0.5, "peak"), ("reflex", 0.25, "mean"))
     ):
         quantities = {"Voltage [V]": 12.0 + slope * time / 3600.0, "Current [A]": np.where(time < 1800.0, slope, 0.0)}
+        quantities["Share + rest [%]"] = 100.0 * time / 3600.0
         found.append(traces.Trace(f"{group}/{name}", name, group, mark, time, quantities))
     return found
 

@@ -15,7 +15,6 @@ from typing import Any
 
 import pytest
 
-from pipeline.kernel.digest import PROJECT
 from tests.browser import site
 
 sync_api = pytest.importorskip("playwright.sync_api", reason="playwright is not installed: make browser-setup")
@@ -23,6 +22,7 @@ CHROMIUM = next(filter(None, map(shutil.which, ("chromium", "chromium-browser", 
 if CHROMIUM is None:
     pytest.skip("no Chromium on the path: apt-get install chromium", allow_module_level=True)
 
+PROJECT = Path(__file__).resolve().parents[2]
 pytestmark = pytest.mark.browser
 PUBLISHED = sorted(
     path.parent for at in ("*/*", "*/sweeps/*") for path in (PROJECT / "reports").glob(f"{at}/index.html")
@@ -170,7 +170,9 @@ def explored(visit: Open, place: str = "#explorer", **options: Any) -> Any:
 
 
 def spans(tab: Any) -> list[str]:
-    return tab.evaluate("[...document.querySelectorAll('#explore svg')].map((one) => one.getAttribute('aria-label'))")
+    return tab.evaluate(
+        "[...document.querySelectorAll('#explore .panels svg')].map((one) => one.getAttribute('aria-label'))"
+    )
 
 
 def test_the_curves_load_when_the_explorer_comes_into_view(visit: Open) -> None:
@@ -178,53 +180,53 @@ def test_the_curves_load_when_the_explorer_comes_into_view(visit: Open) -> None:
     assert tab.evaluate("window.TRACES === undefined")
     tab.evaluate("document.getElementById('explorer').scrollIntoView()")
     tab.wait_for_selector("#explore[data-ready]")
-    assert tab.locator("#explore svg").count() == 2
-    assert tab.locator("#explore svg >> nth=0 >> .curve").count() == 2
+    assert tab.locator("#explore .panels svg").count() == 3
+    assert tab.locator("#explore .panels svg >> nth=0 >> .curve").count() == 2
 
 
 def test_dragging_zooms_all_panels_and_a_double_click_shows_all(visit: Open) -> None:
     tab = explored(visit)
-    box = tab.locator("#explore svg").first.bounding_box()
+    box = tab.locator("#explore .panels svg").first.bounding_box()
     middle = box["y"] + box["height"] / 2
     tab.mouse.move(box["x"] + box["width"] * 0.4, middle)
     tab.mouse.down()
     tab.mouse.move(box["x"] + box["width"] * 0.6, middle, steps=4)
     tab.mouse.up()
     zoomed = spans(tab)
-    assert len(zoomed) == 2
+    assert len(zoomed) == 3
     assert all("from 0 to 60 min" not in one for one in zoomed)
     assert len({one.split("from")[1] for one in zoomed}) == 1
     assert "from=" in tab.url
     again = explored(visit, place=tab.url[tab.url.index("#") :])
     assert spans(again) == zoomed
-    tab.locator("#explore svg").first.dblclick()
+    tab.locator("#explore .panels svg").first.dblclick()
     assert all("from 0 to 60 min" in one for one in spans(tab))
 
 
 def test_the_readout_tells_the_values_under_the_pointer(visit: Open) -> None:
     tab = explored(visit)
-    box = tab.locator("#explore svg").first.bounding_box()
+    box = tab.locator("#explore .panels svg").first.bounding_box()
     # Half of the time: the field begins 62 of 900 from the left and ends 12 before the right.
     tab.mouse.move(box["x"] + box["width"] * (62 + 413) / 900, box["y"] + 60)
     cells = tab.locator(".readout tbody td").all_inner_texts()
     assert float(cells[0]) == pytest.approx(12.5, abs=0.01)
-    assert float(cells[2]) == pytest.approx(12.25, abs=0.01)
+    assert float(cells[3]) == pytest.approx(12.25, abs=0.01)
 
 
 def test_the_difference_to_a_charge_is_that_of_its_values(visit: Open) -> None:
     tab = explored(visit)
     tab.select_option("[name=reference]", "peak/cc")
-    box = tab.locator("#explore svg").first.bounding_box()
+    box = tab.locator("#explore .panels svg").first.bounding_box()
     tab.mouse.move(box["x"] + box["width"] * (62 + 413) / 900, box["y"] + 60)
     cells = [text.replace("−", "-") for text in tab.locator(".readout tbody td").all_inner_texts()]
     assert float(cells[0]) == 0.0
-    assert float(cells[2]) == pytest.approx(-0.25, abs=0.01)
+    assert float(cells[3]) == pytest.approx(-0.25, abs=0.01)
     assert "reference=peak%2Fcc" in tab.url
 
 
 def test_the_keyboard_zooms_moves_and_reads(visit: Open) -> None:
     tab = explored(visit)
-    tab.locator("#explore svg").first.focus()
+    tab.locator("#explore .panels svg").first.focus()
     tab.keyboard.press("+")
     first = spans(tab)
     assert "from 0 to 60 min" not in first[0]
@@ -235,6 +237,17 @@ def test_the_keyboard_zooms_moves_and_reads(visit: Open) -> None:
     assert tab.locator(".readout tbody tr").count() == 2
     tab.keyboard.press("0")
     assert "from 0 to 60 min" in spans(tab)[0]
+
+
+def test_an_address_keeps_names_with_signs_and_survives_what_is_typed_by_hand(visit: Open) -> None:
+    tab = explored(visit)
+    tab.uncheck("#explore input[value='Voltage [V]']")
+    tab.check("#explore input[value='Share + rest [%]']")
+    again = explored(visit, place=tab.url[tab.url.index("#") :])
+    assert again.is_checked("#explore input[value='Share + rest [%]']")
+    assert not again.is_checked("#explore input[value='Voltage [V]']")
+    typed = visit(MADE_UP[1], place="#statement-claim_1%?word=50%")
+    assert typed.is_visible(".filter")
 
 
 def test_what_is_shown_can_be_downloaded(visit: Open) -> None:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from functools import cache
+from pathlib import Path
 
 import pytest
 import yaml
@@ -11,8 +12,9 @@ import yaml
 from pipeline.config.planning import run_of
 from pipeline.errors import UserError
 from pipeline.kernel import registry
-from pipeline.kernel.digest import PROJECT
 from pipeline.kernel.plan import Run
+
+PROJECT = Path(__file__).resolve().parents[3]
 
 
 @cache

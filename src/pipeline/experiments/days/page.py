@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 
 from pipeline.experiments.days.numbers import charged, weathers
 from pipeline.report.pages import PageFigure, PageSection
 from pipeline.report.tables import Cell, ReportData, ReportTable, plain, sentence
+from pipeline.report.traces import Trace
 
 LABELS = ("day",)
 _HOUR_S = 3600.0
@@ -35,6 +36,29 @@ _ROWS = (
     ("switchings", "changes of state", 1.0),
 )
 _STATES = {"off": "off", "mode_1": "Mode 1", "mode_2": "Mode 2", "ended": "ended"}
+
+
+_TRACED = {
+    "Irradiance [W/m²]": ("irradiance_w_m2", 1.0),
+    "Drawn from the panel [W]": ("drawn_w", 1.0),
+    "Curtailed [W]": ("curtailed_w", 1.0),
+    "Voltage [V]": ("voltage_v", 1.0),
+    "Current [A]": ("current_a", 1.0),
+    "Temperature [°C]": ("temperature_c", 1.0),
+    "State of charge [%]": ("soc", 100.0),
+}
+
+
+def traces(data: ReportData) -> Iterator[Trace]:
+    """Yield the course of every day in the sun for the explorer, time from first light."""
+    for name, title in weathers(data).items():
+        for mode in charged(data, name):
+            course = data.table(f"day/{name}/{mode}", "trace")
+            quantities = {told: factor * course[column] for told, (column, factor) in _TRACED.items()}
+            mark = list(data.modes).index(mode)
+            yield Trace(
+                f"day/{name}/{mode}", data.modes[mode].title, f"day, {title}", mark, course["time_s"], quantities
+            )
 
 
 def sections(data: ReportData, figures: Sequence[PageFigure]) -> list[PageSection]:

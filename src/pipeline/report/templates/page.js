@@ -5,8 +5,10 @@
 
   // The address: #place, or #place?name=value, in which filter and explorer keep what was chosen.
   const address = () => {
-    const [place, query = ""] = decodeURIComponent(location.hash.slice(1)).split("?");
-    return { place, query: new URLSearchParams(query) };
+    const hash = location.hash.slice(1), end = hash.indexOf("?");
+    let place = end < 0 ? hash : hash.slice(0, end);
+    try { place = decodeURIComponent(place); } catch { /* typed by hand: taken as it is */ }
+    return { place, query: new URLSearchParams(end < 0 ? "" : hash.slice(end + 1)) };
   };
   const keep = (place, values) => {
     const query = new URLSearchParams(Object.entries(values).filter(([, value]) => value !== ""));
