@@ -10,7 +10,7 @@ from typing import Any
 import matplotlib
 import pytest
 
-from pipeline.__main__ import COMMANDS
+from pipeline.commands import COMMANDS
 from pipeline.config.compose import compose_tree, expand
 from pipeline.config.study import study_from
 from pipeline.kernel import registry

@@ -7,15 +7,10 @@ import sys
 from collections.abc import Callable, Sequence
 from importlib import import_module
 
+from pipeline.commands import COMMANDS
 from pipeline.errors import UserError
 from pipeline.kernel import store
 from pipeline.kernel.last_resort import in_utf8, last_resort, refuse_other_bytes
-
-COMMANDS = (
-    *("run", "compare", "reproduce", "report", "store", "validate", "steps", "modes", "schema", "new", "init"),
-    *("readme", "completion"),
-)
-"""The words; each is a module of `pipeline.commands` with `main(arguments) -> exit code`."""
 
 
 def main(arguments: Sequence[str]) -> int:

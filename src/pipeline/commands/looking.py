@@ -7,6 +7,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from importlib.metadata import version
 from typing import Any
 
+from pipeline.commands import COMMANDS
 from pipeline.errors import UserError, best_matches
 from pipeline.kernel import kept, places
 from pipeline.kernel.code import of_code
@@ -105,8 +106,6 @@ def completed(line: str) -> list[str]:
     ---------
     line : what is typed so far, the command first.
     """
-    from pipeline.__main__ import COMMANDS
-
     words = line.split(" ")
     begun, before = words[-1], [word for word in words[1:-1] if word]
     listed = _listed(next((word for word in before if word.startswith("study=")), "study=solar_reflex"))

@@ -15,6 +15,8 @@ from pipeline.kernel import registry
 from pipeline.kernel.scope import below
 from pipeline.record import Record
 
+_SLACK_SOC, _NEARLY_FULL, _SLACK_K = 0.02, 0.9, 3.0
+
 Kind = Literal["published", "data_sheet", "derived", "estimate", "calibrated", "fitted", "override", "found"]
 
 
@@ -46,6 +48,29 @@ class Source(Record):
         if self.range is not None and not self.range[0] < self.range[1]:
             raise ValueError(f"range {list(self.range)} must rise")
         return self
+
+
+def beyond(sources: Mapping[str, Source], initial_soc: float, ambient_c: float) -> list[str]:
+    """Return in sentences where charges leave what the measurement covers that a battery was fitted to.
+
+    Arguments
+    ---------
+    sources : key path -> source, of the battery.
+    initial_soc, ambient_c : from which state of charge the charges run [1], and how warm it is [degC].
+    """
+    one = next((source for source in sources.values() if source.valid), None)
+    if one is None or one.valid is None:
+        return []
+    said = []
+    low, high = one.valid.get("soc", (0.0, 1.0))
+    if initial_soc < low - _SLACK_SOC or high < _NEARLY_FULL:
+        said.append(
+            f"charges run from a state of charge of {initial_soc:g} upwards, {one.file} covers {low:g} to {high:g}"
+        )
+    cold, warm = one.valid.get("temperature_c", (ambient_c, ambient_c))
+    if not cold - _SLACK_K <= ambient_c <= warm + _SLACK_K:
+        said.append(f"charges run at {ambient_c:g} degC, {one.file} covers {cold:.1f} to {warm:.1f} degC")
+    return [f"outside what the battery was fitted to: {line}" for line in said]
 
 
 def split(tree: Mapping[str, Any], path: str = "") -> tuple[dict[str, Any], dict[str, Any]]:

@@ -159,6 +159,7 @@ def test_repeated_rows_are_left_out_and_jumps_kept(tmp_path: Path) -> None:
         ("time_s,voltage_v,current_a", ["measured.units.current_a=bar"], r"units\.current_a is 'bar'"),
         ("time_s,voltage_v,current_a", ["own_battery.initial_soc=[0.5,0.6]"], "2 values for 1 files"),
         ("time_s,voltage_v,current_a", ["own_battery.held_out.files=[other.csv]"], "'other.csv' is none of"),
+        ("time_s,voltage_v,current_a", ["own_battery.held_out.around_soc=[0.1]"], "no pulse and no rest lies there"),
     ],
 )
 def test_what_cannot_be_used_is_refused_with_the_remedy(tmp_path: Path, head: str, words: list[str], told: str) -> None:

@@ -9,6 +9,7 @@ from pipeline.charge.comparison import compared, level_of, peak_current_a, scale
 from pipeline.charge.effort import effort
 from pipeline.charge.vocabulary import SUMMARY
 from pipeline.config.compose import options
+from pipeline.config.sources import beyond
 from pipeline.experiments.charges.records import ChargesPart, check_modes, prepare, warn_modes
 from pipeline.experiments.charges.tables import CHARGE
 from pipeline.kernel.draft import plain, untitled
@@ -191,6 +192,17 @@ def _scaled(config: Any) -> dict[str, Any]:
     return found
 
 
+def _beyond(config: Any) -> dict[str, Any]:
+    """Return where the charges leave what the battery was fitted to, in sentences."""
+    return {"said": beyond(config.sources_below("battery"), config.charge.initial_soc, config.charge.ambient_c)}
+
+
+def _warnings(study: Any) -> Iterator[str]:
+    yield from warn_modes(study)
+    own = {path: source for path, source in study.sources.items() if path.startswith("battery.")}
+    yield from (f"charge: {told}" for told in beyond(own, study.charge.initial_soc, study.charge.ambient_c))
+
+
 def _cells(config: Any) -> dict[str, Any]:
     both = (config.battery, config.second_battery)
     return {"titles": [battery.title for battery in both if battery is not None]}
@@ -209,13 +221,14 @@ EXPERIMENT = Experiment(
     },
     prepare=prepare,
     checks=(check_modes,),
-    warns=warn_modes,
+    warns=_warnings,
     inputs=_readable,
     fields=_fields,
     labels={
         "modes": Label(_knobs, ("run", "modes")),
         "battery": Label(lambda config: plain(config.battery), ("battery",)),
         "scaled": Label(_scaled, ("run", "modes", "comparisons", "battery")),
+        "beyond": Label(_beyond, ("battery", "charge.initial_soc", "charge.ambient_c")),
         "cells": Label(_cells, ("battery.title", "second_battery.title")),
     },
     tells="telling",

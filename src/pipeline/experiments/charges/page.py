@@ -6,10 +6,10 @@ from collections.abc import Iterator, Sequence
 
 from pipeline.experiments.charges import second_cell
 from pipeline.report.pages import PageFigure, PageSection
-from pipeline.report.tables import JOULES_PER_WATT_HOUR, Cell, Columns, ReportData, ReportTable, plain
+from pipeline.report.tables import JOULES_PER_WATT_HOUR, Cell, Columns, ReportData, ReportTable, plain, sentence
 from pipeline.report.traces import Trace
 
-LABELS = ("cells", "scaled")
+LABELS = ("cells", "scaled", "beyond")
 _TRACED = {
     "Voltage [V]": ("Voltage / V", 1.0),
     "Current [A]": ("Current / A", 1.0),
@@ -57,7 +57,8 @@ def notes(data: ReportData) -> list[str]:
         for mode, told in modes.items()
     ]
     second = [] if len(data.cells) < 2 else _missed(data.second(), f", {data.cells[1]}")
-    return [*scaled, *_missed(data, ""), *second]
+    beyond = [f"{sentence(str(told))}." for told in data.settings.get("beyond", {}).get("said", [])]
+    return [*beyond, *scaled, *_missed(data, ""), *second]
 
 
 def _missed(data: ReportData, of_battery: str) -> list[str]:

@@ -18,7 +18,6 @@ from pipeline.experiments.own_battery.unknowns import Model
 
 Array = NDArray[np.float64]
 NORMAL_95 = 1.959963984540054
-_CHI2_95 = NORMAL_95**2
 _AT_BOUND = 1e-3
 
 
@@ -173,28 +172,37 @@ def certainty_of(problem: Problem, result: Result, robust: float, profiles: int 
     numbers, half = mixing @ vector, NORMAL_95 * np.sqrt(np.maximum(spread, 0.0))
     low, high = numbers - half, numbers + half
     alone = [place for place, path in enumerate(problem.model.paths) if ".value." not in path and known[place]]
+    slopes, missed = problem.slopes(vector), problem.function(vector)
+    weight = 1.0 / np.sqrt(1.0 + (missed / robust) ** 2)
+    base = _Base(vector, covariance, _inverse(slopes.T @ (weight[:, None] * slopes)), _cost(problem, vector, robust))
     for place in sorted(alone, key=lambda one: -share[one])[:profiles]:
-        low[place] = vector[place] - _profiled(problem, vector, covariance, place, -1.0, robust)
-        high[place] = vector[place] + _profiled(problem, vector, covariance, place, 1.0, robust)
+        low[place] = vector[place] - _profiled(problem, base, place, -1.0, robust)
+        high[place] = vector[place] + _profiled(problem, base, place, 1.0, robust)
     return Certainty(covariance, low, high, known, problem.voltages, effective)
 
 
-def _profiled(problem: Problem, vector: Array, covariance: Array, place: int, side: float, robust: float) -> float:
+class _Base(NamedTuple):
+    """From where profiles start: the best vector, its covariance, the inverse curvature of the loss, the loss."""
+
+    vector: Array
+    covariance: Array
+    inverse: Array
+    cost: float
+
+
+def _profiled(problem: Problem, base: _Base, place: int, side: float, robust: float) -> float:
     """Return how far a number may go before the loss, the others fitted again, rises by what 95 % allow.
 
     The rise that is allowed is that which a parabola with the covariance would have there, so that the effective number
     of rows enters; one step of the secant method from there finds where the real rise is the same.
     """
+    vector, covariance = base.vector, base.covariance
     deviation = math.sqrt(covariance[place, place])
     bounds = problem.model.bounds()
     goal = side * NORMAL_95 * deviation
     goal = float(np.clip(vector[place] + goal, bounds[0][place], bounds[1][place]) - vector[place])
     others = np.arange(len(vector)) != place
-    slopes, missed = problem.slopes(vector), problem.function(vector)
-    weight = 1.0 / np.sqrt(1.0 + (missed / robust) ** 2)
-    curve = slopes.T @ (weight[:, None] * slopes)
-    bend = 1.0 / _inverse(curve)[place, place]
-    allowed = 0.5 * bend * (NORMAL_95 * deviation) ** 2
+    allowed = 0.5 / base.inverse[place, place] * (NORMAL_95 * deviation) ** 2
     moved = vector + covariance[:, place] / covariance[place, place] * goal
     moved = np.clip(moved, *bounds)
     # The others are fitted again from there, by two steps of Gauss and Newton.
@@ -204,7 +212,7 @@ def _profiled(problem: Problem, vector: Array, covariance: Array, place: int, si
         inner = slopes[:, others]
         step = _inverse(inner.T @ (weight[:, None] * inner)) @ (inner.T @ (weight * missed))
         moved[others] = np.clip(moved[others] - step, bounds[0][others], bounds[1][others])
-    rise = _cost(problem, moved, robust) - _cost(problem, vector, robust)
+    rise = _cost(problem, moved, robust) - base.cost
     ratio = math.sqrt(allowed / rise) if rise > 0.0 else 1.0
     return abs(goal) * min(max(ratio, 0.5), 2.0)
 

@@ -124,12 +124,13 @@ def check(study: Any) -> None:
         raise UserError(
             f"own_battery.initial_soc: {len(chosen.initial_soc)} values for {len(measured.files)} files; give one each"
         )
-    from pipeline.experiments.own_battery.plausible import check_series
+    from pipeline.experiments.own_battery.plausible import check_held_out, check_series
 
     try:
         check_series(measured, study.battery)
     except UserError as error:
         raise UserError(f"measured.file: {error}".replace("measured.file: measured.file:", "measured.file:")) from None
+    check_held_out(measured, study.battery, chosen)
 
 
 def _remarks(study: Any) -> Iterator[str]:

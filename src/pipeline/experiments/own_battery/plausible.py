@@ -8,7 +8,8 @@ from numpy.typing import NDArray
 from pipeline.cell.records import Battery, resting_voltage_v
 from pipeline.errors import UserError
 from pipeline.experiments.own_battery.reading import Series, measured_series
-from pipeline.experiments.own_battery.records import Measured
+from pipeline.experiments.own_battery.records import Fit, Measured
+from pipeline.experiments.own_battery.segments import PULSE, REST, held_out, segments
 
 Array = NDArray[np.float64]
 _GRID = np.linspace(0.0, 1.0, 2001)
@@ -46,6 +47,35 @@ def check_series(measured: Measured, battery: Battery) -> None:
                 f"{series.file}: a current of {largest:.4g} A into {battery.capacity_in_use_ah:.4g} Ah; is it in mA? "
                 "'measured.units={current_a: mA}'; or another capacity, +battery.scaled_to_capacity_ah=VALUE"
             )
+
+
+def check_held_out(measured: Measured, battery: Battery, chosen: Fit) -> None:
+    """Refuse a hold-out that holds nothing, or everything.
+
+    Raises
+    ------
+    UserError : with what lies nearest to the levels that were asked for.
+    """
+    wanted = chosen.held_out
+    if not (wanted.around_soc or wanted.windows_s):
+        return
+    series = measured_series(measured)
+    levels: list[float] = []
+    rows = out = 0
+    for place, one in enumerate(series):
+        soc = chosen.initial_soc[place] if chosen.initial_soc else soc_at_start(one, battery)
+        found = segments(one, soc, battery.capacity_in_use_ah)
+        levels += [part.soc for part in found if part.kind in (PULSE, REST)]
+        rows += len(one.time_s)
+        out += int(held_out(one, found, wanted, place + 1).sum())
+    if out == 0:
+        near = [min(levels, key=lambda level: abs(level - soc)) for soc in wanted.around_soc] if levels else []
+        told = f"; the nearest begin at {', '.join(f'{level:.3f}' for level in near)}" if near else ""
+        raise UserError(
+            f"own_battery.held_out: no pulse and no rest lies there{told}; own_battery.initial_soc counts too"
+        )
+    if out == rows:
+        raise UserError("own_battery.held_out: every row is held out; leave some for the fit")
 
 
 def soc_at_start(series: Series, battery: Battery) -> float:
