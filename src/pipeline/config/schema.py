@@ -6,6 +6,7 @@ from collections.abc import Iterator, Mapping
 from copy import deepcopy
 from typing import Any
 
+from pipeline.charge.waveforms import WAVEFORMS
 from pipeline.config.compose import groups
 from pipeline.config.inheritance import CONF, content, roots
 from pipeline.config.sources import Source
@@ -40,6 +41,15 @@ def schema() -> dict[str, Any]:
             definitions |= form.pop("$defs", {})
             root["properties"][name] = {"anyOf": [root["properties"][name], form]}
     root["properties"]["modes"] = _modes(root["properties"]["modes"])
+    if "Phase" in definitions:
+        # A phase is written under the name of its waveform.
+        definitions["Phase"]["properties"] |= {name: {"type": ["object", "null"]} for name in WAVEFORMS}
+    for one in definitions.values():
+        for name in ("columns", "units"):
+            # Of a person's file: a quantity of which nothing is said yet stands there to be overridden.
+            entry = one.get("properties", {}).get(name, {})
+            if entry.get("additionalProperties") == {"type": "string"}:
+                entry["additionalProperties"] = {"type": ["string", "null"]}
     found = {name: _open(one) for name, one in definitions.items()}
     found |= {f"group:{name}": one for name, one in _groups(root)}
     return {"$schema": DIALECT, "title": "Configuration of a study", "$ref": f"#/$defs/{_ROOT}", "$defs": found}
