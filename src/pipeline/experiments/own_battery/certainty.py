@@ -128,7 +128,7 @@ def settle(problem: Problem, vector: Array, robust: float) -> tuple[Problem, Res
 
 
 def _least_known(model: Model, vector: Array, covariance: Array) -> str | None:
-    """Return the number whose prior takes least from the fit, of those that are known no better than by it.
+    """Return the number that is known least beside its prior, of those that the measurement leaves near it.
 
     Only one: with it at its prior the others may be known well, as series resistance is beside a pair too fast to see.
     None where every number is known better than by its prior, or so far from it that the measurement rules it out.
@@ -140,7 +140,8 @@ def _least_known(model: Model, vector: Array, covariance: Array) -> str | None:
     open_ = ~table & (share >= 1.0) & ((away < NORMAL_95) | np.isinf(share))
     if not open_.any():
         return None
-    return model.paths[int(np.argmin(np.where(open_, away, np.inf)))]
+    # The widest first; one at its bound only when no other is left, since another's prior may bring it back.
+    return model.paths[int(np.argmax(np.where(open_, np.where(np.isinf(share), 1.0, share), -1.0)))]
 
 
 def _beside_priors(model: Model, vector: Array, covariance: Array) -> tuple[Array, Array]:
