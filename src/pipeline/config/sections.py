@@ -135,8 +135,11 @@ class Studies:
         configuration = {key: value for key, value in values.items() if key != "limits"}
         empty = self._once("no sources", None, dict)
         study = study_type().model_construct(**fields, overrides=told, configuration=configuration, sources=empty)
+        by_section: dict[str, dict[str, Any]] = {}
+        for path, source in written.items():
+            by_section.setdefault(path.split(".", 1)[0], {})[path] = source
         asked = [
-            one for path in study.parameter_sections() for one in self._attributed(composed, values, written, path)
+            one for path in study.parameter_sections() for one in self._attributed(composed, values, by_section, path)
         ]
         check_found(asked, self._finds(study), told)
         for check in self._checks:
@@ -184,9 +187,9 @@ class Studies:
         words = tuple(word for word in composed.overrides if _touches(word, path))
 
         def look() -> list[tuple[str, Any]]:
-            own = {one: source for one, source in written.items() if f"{one}.".startswith(f"{path}.")}
-            above = {one: source for one, source in written.items() if path.startswith(f"{one}.")}
-            attribute(composed, values, own | above, (path,))
+            said = written.get(path.split(".")[0], {})
+            related = (one for one in said if f"{one}.".startswith(f"{path}.") or path.startswith(f"{one}."))
+            attribute(composed, values, {one: said[one] for one in related}, (path,))
             return [(one, value) for one, value in leaves(here, path) if isinstance(value, Mapping)]
 
         found: list[tuple[str, Any]] = self._once(("sources", path, id(here), words), here, look)
