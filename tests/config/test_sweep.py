@@ -87,6 +87,11 @@ def test_the_second_battery_is_charged_where_it_is_asked_for_or_swept(
     assert {name.split("/")[1] for name in nodes} == kinds
 
 
+def test_a_study_that_charges_nothing_is_refused() -> None:
+    with pytest.raises(UserError, match="study validation: nothing of it is swept"):
+        make_sweep(["study=validation", "seed=1,2"], Asked(), 2)
+
+
 def test_traces_are_shown_in_the_folder_of_each_run_where_they_are_kept(plan: dict[str, Any]) -> None:
     def traces(plan: dict[str, Any]) -> set[str]:
         return {item["place"] for item in plan["runs"][0]["view"] if item["place"].endswith(".bdf.parquet")}

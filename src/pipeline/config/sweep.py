@@ -129,7 +129,8 @@ class _Planner:
         self._studies = Studies(self.memory)
         experiments = registry.experiments()
         owners = {registry.owners()[step] for step in _needed_steps()}
-        self._makers = [Recalled(_listed(experiments[name].nodes)) for name in sorted(owners)]
+        self._makers = {name: Recalled(_listed(experiments[name].nodes)) for name in sorted(owners)}
+        self._alone = {name: Recalled(one.alone) for name, one in experiments.items()}
         self._warns = [Recalled(_listed(one.warns)) for one in experiments.values()]
         self._drafts: dict[Any, tuple[Any, Draft]] = {}
         self._keys: dict[Any, str] = {}
@@ -139,10 +140,12 @@ class _Planner:
         """Plan one run."""
         composed = self._compositions.compose(words)
         study = self._studies.of(composed)
-        by_name = {node.name: node for make in self._makers for node in make(study)}
+        alone = {name for name, asks in self._alone.items() if asks(study)}
+        makers = [make for name, make in self._makers.items() if name in alone or not alone]
+        by_name = {node.name: node for make in makers for node in make(study)}
         kept = [node for node in by_name.values() if node.step.swept and self._is_kept(node, composed)]
         if not kept:
-            raise UserError(f"study {study.study.name}: nothing of it is made in a sweep; run it alone, without -m")
+            raise UserError(f"study {study.study.name}: nothing of it is swept; run it by itself, without -m")
         drafts: dict[str, Draft] = {}
         keys: dict[str, str] = {}
         for node in kept:
