@@ -69,10 +69,9 @@ def _table(found: Sequence[tuple[str, Mapping[str, Any]]]) -> str:
 
 
 def _shown(name: str, card: Mapping[str, Any]) -> str:
-    picture = card["picture"]
     return (
         f"**{card['title']}.** {card['question']}\n{card['answer']}\n\n"
-        f"![{picture['text']}]({(PICTURES / name).as_posix()}.svg)"
+        f"![{card['title']}: the figure that shows it]({(PICTURES / name).as_posix()}.svg)"
     )
 
 
