@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import contextlib
 import os
 import signal
 import subprocess
@@ -76,7 +77,7 @@ def _swept(plan: Mapping[str, Any], words: Sequence[str], descriptor: int | None
     quiet = ["--quiet", "rules", "host", "reason", "progress"] if sys.stderr.isatty() else []
     verbose = "--printshellcmds" in words
     with shown(plan, store.RESULTS) as made:
-        code = snakemake([*words, *([] if verbose else quiet)], descriptor)
+        code = snakemake([*words, *([] if verbose else quiet)], descriptor, once=True)
     runs, nodes = made.done
     if code:
         say(f"{runs} of {made.runs} runs, {nodes} of {made.nodes} artefacts are kept; the same command goes on there")
@@ -140,7 +141,7 @@ def _expanded(words: Sequence[str], multirun: bool) -> list[list[str]]:
     return runs
 
 
-def snakemake(words: Sequence[str], descriptor: int | None = None) -> int:
+def snakemake(words: Sequence[str], descriptor: int | None = None, once: bool = False) -> int:
     """Run Snakemake with the project's workflow and profile; return its exit code.
 
     A signal that ends this command is handed on, and Snakemake waited for: it ends its jobs first.
@@ -148,15 +149,21 @@ def snakemake(words: Sequence[str], descriptor: int | None = None) -> int:
     Arguments
     ---------
     descriptor : of the lock of the results folder, held for Snakemake too.
+    once : Ctrl-C of a terminal reaches Snakemake and its jobs through this command alone, not twice.
     """
     command = [sys.executable, "-m", "snakemake", "--snakefile", str(place("Snakefile"))]
     command += ["--profile", str(place("profiles/default")), *words]
     handed_on = () if descriptor is None else (descriptor,)
     environment = os.environ | ({} if descriptor is None else {lock.HANDED_ON: str(descriptor)})
-    process = subprocess.Popen(command, env=environment, pass_fds=handed_on)
+    group = 0 if once else None
+    process = subprocess.Popen(command, env=environment, pass_fds=handed_on, process_group=group)
 
     def hand_on(number: int, frame: object) -> None:
-        process.send_signal(number)
+        if once:
+            with contextlib.suppress(ProcessLookupError):
+                os.killpg(process.pid, number)
+        else:
+            process.send_signal(number)
 
     before = {number: signal.signal(number, hand_on) for number in (signal.SIGINT, signal.SIGTERM)}
     try:
