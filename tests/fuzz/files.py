@@ -21,6 +21,7 @@ PLACES = {
     "day.weathers.clear.file": ("study=solar_reflex", "weather@day.weathers.clear=measured"),
     "day.load.file": ("study=solar_reflex", "load@day.load=measured"),
     "network.data.table": ("study=nicd_grnn",),
+    "measured.file": ("study=own_battery",),
 }
 """Key path that names a file of a person -> the other words of the command line. A test holds that it is complete."""
 _HOURS = [f"2015-06-20T{hour:02d}:00:00" for hour in range(24)]
@@ -31,6 +32,11 @@ TABLES = {
     "network.data.table": "temperature_c,gradient,rate_c\n"
     + "".join(f"{t},{g},{8 - 0.1 * t - g}\n" for t in range(0, 50, 5) for g in (0.0, 0.5, 1.0)),
 }
+# A cell of 8 Ah on a cycler: charged at half its capacity for ten minutes at a time, with rests of the same length.
+TABLES["measured.file"] = "time_s,voltage_v,current_a,temperature_c\n" + "".join(
+    f"{10 * row},{3.2 + 0.0008 * (row // 2) + 0.03 * (row // 60 % 2):.4f},{4.0 * (row // 60 % 2)},25.0\n"
+    for row in range(240)
+)
 TABLES["day.weathers.clear.file"] = TABLES["weather.file"]
 FORMATS = ("epw", "psm", "pvgis_hourly", "pvgis_tmy", "pvgis_tmy_json", "cams", "midc", "surfrad", "pvwatts")
 FORMATS += ("open_meteo", "solargis", "solcast", "nasa_power", "dwd")

@@ -23,9 +23,10 @@ def _subclasses(record: type) -> Iterator[str]:
 def test_every_record_with_a_file_of_a_person_has_a_place() -> None:
     definitions = schema()["$defs"]
     named = {name for name, one in definitions.items() if "file" in one.get("properties", {}) and ":" not in name}
-    assert named == set(_subclasses(OwnFile))
-    # A weather stands in two places, a load and a table in one each.
-    assert len(files.PLACES) == 2 + 1 + 1
+    # A source only tells from which file a value was fitted.
+    assert named - {"Source"} == set(_subclasses(OwnFile))
+    # A weather stands in two places, a load, a table and a measurement in one each.
+    assert len(files.PLACES) == 2 + 1 + 1 + 1
     assert {name for name, one in definitions.items() if "table" in one.get("properties", {}) and _text(one)} == {
         "DataSettings"
     }

@@ -98,7 +98,7 @@ def test_a_sweep_shares_what_is_the_same(project: Project) -> None:
 MISTAKES = {
     "battery=lead_acid": ("lead_acid_12v7ah",),
     "battery.capacty_ah=7": ("battery", "capacity_ah"),
-    "battery.capacity_ah=-7": ("battery.capacity_ah", "-7", "greater than 0"),
+    "battery.capacity_ah=-7": ("battery.capacity_ah", "-7", "more than 0"),
     "battery.capacity_ah=nan": ("battery.capacity_ah", "finite"),
     "battery.thermal.resistance_k_w=x": ("battery.thermal.resistance_k_w", "x"),
     "charge.initial_soc=1.2": ("charge.initial_soc", "1.2"),

@@ -154,12 +154,12 @@ def _sentence(mistake: Any, path: list[str], parent: Any, model: type[BaseModel]
 def _allowed(kind: str, bounds: Mapping[str, Any]) -> str | None:
     """Return what is allowed where pydantic refused by a kind of its own, in words; None where a record says it."""
     words = {
-        "greater_than": "more than {gt:g}",
-        "greater_than_equal": "{ge:g} or more",
-        "less_than": "less than {lt:g}",
-        "less_than_equal": "{le:g} or less",
+        "greater_than": "more than {gt:.12g}",
+        "greater_than_equal": "{ge:.12g} or more",
+        "less_than": "less than {lt:.12g}",
+        "less_than_equal": "{le:.12g} or less",
         "finite_number": "a finite number",
-        "multiple_of": "a multiple of {multiple_of:g}",
+        "multiple_of": "a multiple of {multiple_of:.12g}",
         "string_too_short": "a text of {min_length} letters or more",
         "string_too_long": "a text of {max_length} letters at most",
         "too_short": "a list of {min_length} or more",

@@ -103,14 +103,14 @@ def test_what_a_change_touches(word, changed):
 @pytest.mark.parametrize(
     ("words", "message"),
     [
-        (["day.weathers.clear.linke_turbidity=0.5"], r"linke_turbidity: .*greater than or equal to 1"),
+        (["day.weathers.clear.linke_turbidity=0.5"], r"linke_turbidity: .*allowed is 1 or more"),
         (["day.weathers.clear.date=2015-02-30"], r"date is '2015-02-30'; it must be a day as YYYY-MM-DD"),
         (["day.weathers.clear.date=2015-W12-5"], r"date is '2015-W12-5'; it must be a day as YYYY-MM-DD"),
         (
             ["day.weathers.clear.place.longitude_deg=-100"],
             r"utc_offset_h is 8 h at longitude_deg -100, .* allowed are 4 h",
         ),
-        (["day.weathers.clear.place.latitude_deg=95"], r"place\.latitude_deg: .*less than or equal to 90"),
+        (["day.weathers.clear.place.latitude_deg=95"], r"place\.latitude_deg: .*allowed is 90 or less"),
         (["day.weathers.clear.interval_s=7"], r"interval_s is 7 s; it must divide a day"),
         (["day.weathers.half_cloudy.clouds.transmittance=0.9"], r"transmittance x \(1 \+ spread\) is 1.26"),
         (["day.weathers.clear.air.highest_c=10"], r"highest_c is 10 degC; it must not lie below lowest_c, 16"),

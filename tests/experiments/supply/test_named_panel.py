@@ -39,7 +39,7 @@ MISTAKES = {
     ("panel=database", "panel.database=nrel"): ("panel.database", "'nrel'", "cec, sandia"),
     ("panel.database=sandia",): ("panel.database", "give its name beside it, panel.name=NAME"),
     ("panel.name=kc65t",): ("no panel 'kc65t'", "conf/panel/kc65t.yaml is chosen with panel=kc65t"),
-    ("panel=database", "panel.panels_in_series=0"): ("panel.panels_in_series", "greater than or equal to 1", "0"),
+    ("panel=database", "panel.panels_in_series=0"): ("panel.panels_in_series", "1 or more", "0"),
     ("panel=database", "panel.nam=x"): ("panel has no key 'nam'", "name"),
     ("panel.name=A10Green_Technology_A10J_S72_175",): ("converter.bus_voltage_v", "24", "36.63"),
     ("tracker@trackers.perturb_observe=perturb_observ",): ("conf/tracker/perturb_observ.yaml", "perturb_observe"),

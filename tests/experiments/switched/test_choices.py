@@ -20,14 +20,14 @@ BUCK = "converter.switched.buck"
         (["modes.cv_reflex.frequency_hz=3000"], r"modes\.cv_reflex\.frequency_hz: value 3000 Hz.*up to 2500 Hz"),
         (["modes.cv_pulse.frequency_hz=6000"], r"modes\.cv_pulse\.frequency_hz: value 6000 Hz.*up to 5000 Hz"),
         (["search.variables.frequency_hz.high=2600"], r"search\.variables\.frequency_hz\.high: value 2600 Hz.*2500"),
-        ([f"{BUCK}.inductance_h=-1"], rf"{BUCK}\.inductance_h: .*greater than 0 \(value -1\)"),
-        ([f"{BUCK}.capacitor_resistance_ohm=0"], r"capacitor_resistance_ohm: .*greater than 0"),
+        ([f"{BUCK}.inductance_h=-1"], rf"{BUCK}\.inductance_h: value -1; allowed is more than 0"),
+        ([f"{BUCK}.capacitor_resistance_ohm=0"], r"capacitor_resistance_ohm: .*more than 0"),
         ([f"{BUCK}.control.crossover_hz=9000"], r"crossover_hz is 9000 Hz.*up to 5000 Hz"),
         ([f"{BUCK}.control.zero_hz=2500"], r"zero_hz is 2500 Hz.*below crossover_hz, 2500 Hz"),
         ([f"{BUCK}.switching_frequency_hz=1000"], "switching_frequency_hz is 1000 Hz.*resonate at 590"),
         ([f"{BUCK}.rectifier=dioed"], "rectifier.*diode_emulated"),
         ([f"{BUCK}.inductence_h=1"], "no key 'inductence_h'.*inductance_h"),
-        (["converter.switched.boost.input_capacitance_f=0"], "input_capacitance_f: .*greater than 0"),
+        (["converter.switched.boost.input_capacitance_f=0"], "input_capacitance_f: .*more than 0"),
     ],
 )
 def test_a_mistake_is_named(words, message):
