@@ -8,7 +8,7 @@ import sys
 import pytest
 import yaml
 
-from pipeline.commands import looking
+from pipeline.commands import looking, run
 from pipeline.config.compose import compose_tree
 from pipeline.config.study import study_from
 from pipeline.errors import UserError
@@ -24,6 +24,12 @@ def test_the_configuration_is_shown_whole_in_part_or_not_at_all() -> None:
     assert looking.shown(WORDS, "all", None) == looking.HYDRA + looking.shown(WORDS, "job", None)
     with pytest.raises(UserError, match=r"no 'thermall' there; .*thermal"):
         looking.shown(WORDS, "job", "battery.thermall")
+
+
+@pytest.mark.parametrize("words", [["--cfg"], ["--cfg", "job"], ["--cfg=job"]])
+def test_a_kind_of_configuration_may_be_left_out(words: list[str], capsys: pytest.CaptureFixture[str]) -> None:
+    assert run.main([*words, *WORDS, "-p", "battery.thermal"]) == 0
+    assert capsys.readouterr().out == looking.shown(WORDS, "job", "battery.thermal")
 
 
 def test_what_composes_a_run_is_told_in_its_order() -> None:

@@ -17,6 +17,8 @@ from pipeline.errors import UserError
 from pipeline.kernel import lock, planfile, publish, registry, store
 from pipeline.kernel.places import place
 
+CFG = ("job", "hydra", "all")
+"""What --cfg prints: the composed configuration, what is used of Hydra, or both."""
 EXAMPLES = """\
 examples:
   python -m pipeline                                            the default study
@@ -30,7 +32,7 @@ examples:
 def main(arguments: Sequence[str]) -> int:
     """Compose, plan and run; return Snakemake's exit code."""
     parser = _parser(listing=bool({"-h", "--help"} & set(arguments)))
-    options_, overrides = parser.parse_known_intermixed_args(arguments)
+    options_, overrides = parser.parse_known_intermixed_args(_with_kind(arguments))
     unknown = [word for word in overrides if word.startswith("-")]
     if unknown:
         raise UserError(f"option {unknown[0]}: unknown; see python -m pipeline --help")
@@ -98,6 +100,15 @@ def planned(words: Sequence[str], multirun: bool = False) -> dict[str, Any]:
         return make_plan(_expanded(words, multirun))
 
     return planfile.remembered(["run", str(multirun), *words], made)
+
+
+def _with_kind(arguments: Sequence[str]) -> list[str]:
+    """Return the arguments with `job` behind a --cfg that is followed by something else than its own words."""
+    following = [*arguments[1:], ""]
+    return [
+        "--cfg=job" if word == "--cfg" and after not in CFG else word
+        for word, after in zip(arguments, following, strict=True)
+    ]
 
 
 def _look(run: Sequence[str], choices: argparse.Namespace) -> str:
@@ -202,7 +213,7 @@ def _parser(listing: bool) -> argparse.ArgumentParser:
         "--cfg",
         nargs="?",
         const="job",
-        choices=("job", "hydra", "all"),
+        choices=CFG,
         help="print the composed configuration, what is used of Hydra, or both, and stop",
     )
     parser.add_argument("-p", "--package", metavar="KEY", help="with --cfg: only what stands at a key path")
