@@ -48,11 +48,13 @@ def _sets(count: int) -> list[list[str]]:
     return found
 
 
-@pytest.mark.slow
-def test_two_hundred_random_sets_are_composed_as_hydra_does() -> None:
+@pytest.mark.parametrize(
+    "count", [pytest.param(10, marks=pytest.mark.slow), pytest.param(200, marks=pytest.mark.struck)]
+)
+def test_random_sets_are_composed_as_hydra_does(count: int) -> None:
     modes = [f"+modes@modes.{name}={name}" for name in options("modes")]
     compositions = Compositions(Memory())
-    for words in _sets(200):
+    for words in _sets(count):
         with initialize_config_dir(str(CONF), version_base="1.3"):
             whole = OmegaConf.to_container(compose("config", overrides=[*modes, *words]), resolve=True)
         assert isinstance(whole, dict)

@@ -40,7 +40,7 @@ from tests.experiments.own_battery.making import (
     small_file,
     steps,
 )
-from tests.experiments.own_battery.proof import CASES, count, wrong_flags
+from tests.experiments.own_battery.proof import CASES, count
 from tests.making import inputs, output
 
 LFP = card("lfp_8ah")
@@ -182,9 +182,9 @@ def test_intervals_hold_the_truth_as_often_as_they_say(name: str) -> None:
     found = count(name, 20)
     often = [path for path, times in found.identified.items() if times >= 10]
     share = sum(found.held[path] for path in often) / sum(found.identified[path] for path in often)
-    # Twenty draws of numbers that go together: 95 % by four deviations of a draw's share.
+    # Twenty draws of numbers that go together: 95 % by four deviations of a draw's share. Which numbers are called
+    # known too often or too seldom is counted by `make own-battery-proof`, over draws enough to tell.
     assert share > 0.85
-    assert not wrong_flags(name, found)
 
 
 @pytest.mark.slow
