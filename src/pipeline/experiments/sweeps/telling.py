@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import io
 import sys
-from collections.abc import Collection, Iterator, Mapping
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-from pipeline.experiments.sweeps.reading import TABLE, outcomes, text
+from pipeline.experiments.sweeps.reading import TABLE, Outcome, outcomes, text
 from pipeline.kernel import store
 
 MOST_ROWS = 12
@@ -40,18 +40,25 @@ def lines(run: Mapping[str, Any], steps: Collection[str], results: Path) -> Iter
     table = Table(title=escape(_title(run, found.num_rows, first)), title_justify="left")
     for name in swept:
         unit = (found.schema.field(name).metadata or {}).get(b"unit", b"").decode()
-        table.add_column(escape(name + _unit(unit)), justify="left" if unit == "" else "right")
-    for one in headlines:
-        mode = one.charge.removeprefix(f"{first}.")
-        table.add_column(escape(f"{mode} {one.title}{_unit(one.unit)}"), justify="right")
+        table.add_column(escape(name + _unit(unit)), justify="left" if unit == "" else "right", no_wrap=True)
+    table.add_column("mode", no_wrap=True)
+    titles = list(dict.fromkeys((one.title, one.unit) for one in headlines))
+    for title, unit in titles:
+        table.add_column(escape(f"{title}{_unit(unit)}"), justify="right")
+    by_mode = {mode: {one.title: one for one in headlines if one.charge == mode} for mode in _modes(headlines)}
     shown = range(found.num_rows) if found.num_rows <= MOST_ROWS else range(MOST_ROWS - 2)
     for row in shown:
         values = [escape(text(columns[name][row]) or "-") for name in swept]
-        table.add_row(*values, *(text(columns[one.column][row], one.factor) or "-" for one in headlines))
+        for mode, told in by_mode.items():
+            cells = [told.get(title) for title, _ in titles]
+            numbers = [(one and text(columns[one.column][row], one.factor)) or "-" for one in cells]
+            table.add_row(*values, escape(mode.removeprefix(f"{first}.")), *numbers)
+            values = [""] * len(values)
+        table.add_section()
     if found.num_rows > len(shown):
         table.caption = f"and {found.num_rows - len(shown)} more in the table"
     watched = sys.stdout.isatty()
-    console = Console(width=None if watched else 160, record=True, file=io.StringIO())
+    console = Console(width=None if watched else 120, record=True, file=io.StringIO())
     console.print(table)
     yield from console.export_text(styles=watched).rstrip().splitlines()
     missed = [name for name in found.column_names if name.endswith(".missed")]
@@ -60,6 +67,10 @@ def lines(run: Mapping[str, Any], steps: Collection[str], results: Path) -> Iter
         if some:
             first = columns[name][some[0]]
             yield f"{name.removesuffix('.missed')}: {len(some)} of {found.num_rows} runs missed something, as {first}"
+
+
+def _modes(headlines: Sequence[Outcome]) -> list[str]:
+    return list(dict.fromkeys(one.charge for one in headlines))
 
 
 def _title(run: Mapping[str, Any], count: int, comparison: str) -> str:
