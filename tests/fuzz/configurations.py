@@ -139,6 +139,8 @@ def takes(found: list[Schema], value: Any) -> bool:
 
 def _takes(form: Schema, value: Any) -> bool:
     kind = form.get("type")
+    if isinstance(kind, list):
+        return any(_takes(form | {"type": one}, value) for one in kind)
     if "const" in form or "enum" in form:
         return value in (form.get("enum") or [form["const"]])
     if value is None:

@@ -53,6 +53,10 @@ def test_the_schema_rules_out_what_it_says() -> None:
     assert configurations.takes(number, 1.5)
     assert not any(configurations.takes(number, value) for value in (0, -1, True, "1", None, [1], {}))
     assert not any(configurations.takes(word, value) for value in (1, True, None, ["a"]))
+    either = [{"type": ["object", "null"]}]
+    assert configurations.takes(either, None)
+    assert configurations.takes(either, {})
+    assert not configurations.takes(either, 3)
     assert configurations.takes([{"enum": ["a", "b"]}], "b")
     assert not configurations.takes([{"enum": ["a", "b"]}], "c")
 
