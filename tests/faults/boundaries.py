@@ -100,6 +100,9 @@ class Boundaries:
         write = pq.write_table
 
         def written(table: Any, where: Any, *rest: Any, **more: Any) -> None:
+            if not isinstance(where, str | os.PathLike):  # in memory: its bytes reach the disk by another call
+                write(table, where, *rest, **more)
+                return
             with opened(where, "wb") as file:
                 write(table, file, *rest, **more)
 
