@@ -13,6 +13,7 @@ import time
 from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
 
+from pipeline.config.naming import run_name
 from pipeline.kernel import digest, lock, receipts, store
 from tests.faults.struck import Tally
 from tests.workflow.conftest import ROOT, Project, copy_parts, small_project
@@ -154,8 +155,8 @@ class Commands:
         posix = {"LC_ALL": "POSIX", "PYTHONUTF8": "0", "PYTHONCOERCECLOCALE": "0"}
         told = self._run(command, **posix) or self._differs(self.part)
         named = self._run((*PIPELINE, 'battery.title="Säure"'), **posix)
-        name = os.fsencode(self.project.folder / "results" / STUDY / "battery.title=Säure")
-        return told or named or (None if os.path.isdir(name) else "another name of its folder")  # noqa: PTH112
+        folder = self.project.folder / "results" / STUDY / run_name(['battery.title="Säure"'])
+        return told or named or (None if folder.is_dir() else "another name of its folder")
 
     def _fails(self, command: Sequence[str], why: str, before: Sequence[str] = (), **environment: str) -> str | None:
         process = self._start(command, before, **environment)
@@ -297,9 +298,9 @@ class _Job:
             process.kill()
             process.communicate()
             sealed = receipts.path_of(results, str(chunk["step"]), self._words[-1])
-            if process.returncode == -signal.SIGKILL and begun is not None:
-                return f"a receipt of what was killed: {sealed}" if sealed.exists() else None
-            # It was faster: once more, from the start.
+            if process.returncode == -signal.SIGKILL and begun is not None and not sealed.exists():
+                return None
+            # It was faster, and done but for its end: once more, from the start.
             sealed.unlink(missing_ok=True)
             for key in chunk.get("nodes", ()):  # type: ignore[attr-defined]
                 store.remove(store.artefact(results, str(chunk["step"]), key))
