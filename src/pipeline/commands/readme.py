@@ -26,14 +26,14 @@ def main(arguments: Sequence[str]) -> int:
     parser = argparse.ArgumentParser(prog="python -m pipeline readme", description=__doc__)
     parser.add_argument("--check", action="store_true", help="write nothing; tell what would be written otherwise")
     choices = parser.parse_args(arguments)
-    found = list(_found(Path(REPORTS)))
-    stale = [path for path, content in _files(found) if not path.is_file() or path.read_bytes() != content]
+    files = list(_files(list(_found(Path(REPORTS)))))
+    stale = [path for path, content in files if not path.is_file() or path.read_bytes() != content]
     for path in stale:
         print(f"{path}: {'not as the runs of today have it' if choices.check else 'written'}")
     if choices.check:
         return int(bool(stale))
     shutil.rmtree(PROJECT / PICTURES, ignore_errors=True)
-    for path, content in _files(found):
+    for path, content in files:
         path.parent.mkdir(parents=True, exist_ok=True)
         path.write_bytes(content)
     return 0

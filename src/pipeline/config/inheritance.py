@@ -77,8 +77,7 @@ def within(conf: Path, file: Path) -> PurePosixPath:
     return PurePosixPath(file.relative_to(root))
 
 
-def state(path: Path) -> tuple[int, int]:
-    """Return what tells a file from an earlier form of it: time of change [ns] and size."""
+def _state(path: Path) -> tuple[int, int]:
     # What cannot be read counts too, as it is: it is told where it is chosen.
     status = path.stat() if path.exists() else path.lstat()
     return status.st_mtime_ns, status.st_size
@@ -87,7 +86,7 @@ def state(path: Path) -> tuple[int, int]:
 def stamp(conf: Path) -> Stamp:
     """Return the state of every YAML file of a configuration: another one after an edit."""
     files = (path for root in roots(conf) for path in sorted(root.rglob("*.yaml")))
-    return tuple((path.as_posix(), *state(path)) for path in files)
+    return tuple((path.as_posix(), *_state(path)) for path in files)
 
 
 def locate(path: Path, keys: Sequence[str]) -> int:

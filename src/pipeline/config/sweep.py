@@ -18,7 +18,7 @@ from pipeline.config.study import study_from
 from pipeline.config.units import unit_of
 from pipeline.errors import UserError, best_matches
 from pipeline.kernel import digest, plan, registry, sweeps
-from pipeline.kernel.draft import drafted, paths, plain
+from pipeline.kernel.draft import drafted, paths, plain, reached
 from pipeline.kernel.experiment import Draft, Node
 from pipeline.published.records import read_tables, read_values
 
@@ -205,14 +205,7 @@ def _listed(function: Callable[[Any], Iterable[Any]]) -> Callable[[Any], tuple[A
 
 def _needed_steps() -> set[str]:
     """Return the swept steps and all that they may take from."""
-    waiting = [name for name, step in registry.steps().items() if step.swept]
-    seen: set[str] = set()
-    while waiting:
-        name = waiting.pop()
-        if name not in seen:
-            seen.add(name)
-            waiting.extend(registry.takes(name))
-    return seen
+    return reached((name for name, step in registry.steps().items() if step.swept), registry.takes)
 
 
 def _at(study: Any, path: str) -> Any:
@@ -249,7 +242,7 @@ def _sweep(study: str, gathered: _Gathered, asked: Asked, command: str, planner:
     if len(warnings) > _MOST_WARNINGS:
         warnings[_MOST_WARNINGS:] = [f"and {len(warnings) - _MOST_WARNINGS} more such notes on other runs"]
     used = {key for run in runs for key in run.keys.values()}
-    nodes = _behind(used, planner)
+    nodes = reached(used, lambda key: planner.inputs[key].values())
     return sweeps.Sweep(
         study=study,
         name=name,
@@ -264,16 +257,6 @@ def _sweep(study: str, gathered: _Gathered, asked: Asked, command: str, planner:
         shown=planner.shown if "traces" in asked.keep else {},
         warnings=tuple(warnings),
     )
-
-
-def _behind(keys: Iterable[str], planner: _Planner) -> set[str]:
-    waiting, seen = list(keys), set[str]()
-    while waiting:
-        key = waiting.pop()
-        if key not in seen:
-            seen.add(key)
-            waiting.extend(planner.inputs[key].values())
-    return seen
 
 
 def _closing(
@@ -294,7 +277,7 @@ def _closing(
     files = {file: file for file in ("runs.parquet", "runs.csv")}
     folder = f"results/{study}/{sweeps.FOLDER}/{name}"
     of_page = told | {"command": command, "files": [f"{folder}/{file}" for file in files]}
-    table, page = (registry.steps()[step].name for step in ("sweep", "sweep_page"))
+    table, page = "sweep", "sweep_page"
     label = f"{study}.{name}"
     gathered = told | {"runs": listed, "statements": _statements(root, runs)}
     return (

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from itertools import product
 from string import Formatter
 from typing import Any
@@ -107,12 +107,22 @@ def needed(nodes: Sequence[Draft], only_if_asked: Collection[str]) -> list[Draft
 
 def behind(by_name: Mapping[str, Draft], names: Iterable[str]) -> set[str]:
     """Return some nodes and all that they are made from, through the edges of the plan."""
+    return reached(names, lambda name: by_name[name].inputs.values())
+
+
+def reached(names: Iterable[str], onward: Callable[[str], Iterable[str]]) -> set[str]:
+    """Return some names and all that are reached from them.
+
+    Arguments
+    ---------
+    onward : name -> the names that it leads to.
+    """
     waiting, seen = list(names), set[str]()
     while waiting:
         name = waiting.pop()
         if name not in seen:
             seen.add(name)
-            waiting.extend(by_name[name].inputs.values())
+            waiting.extend(onward(name))
     return seen
 
 

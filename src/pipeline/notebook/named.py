@@ -10,10 +10,11 @@ from pydantic import ValidationError
 from pipeline.cell.records import Battery
 from pipeline.charge.records import Mode
 from pipeline.config.compose import Composed, compose_tree, options
-from pipeline.config.inheritance import CONF, content, file_of, state
+from pipeline.config.inheritance import CONF, content, file_of
 from pipeline.config.messages import Origin, explain
 from pipeline.config.planning import run_of
 from pipeline.config.sources import split
+from pipeline.config.yaml_file import state
 from pipeline.errors import UserError, best_matches
 from pipeline.kernel import store
 from pipeline.kernel.draft import references
