@@ -123,7 +123,7 @@ def test_a_current_outside_the_usual_is_told_as_a_rate():
 
 
 def test_the_plan_carries_what_is_told():
-    told = make_plan([["study=nicd_grnn"]])["runs"][0]["warnings"]
+    told = make_plan([["study=nicd_grnn"]])["runs"][0]["remarks"]
     assert any("is 8C of nicd_2s_600mah; usual are 0.1C to 1C" in line for line in told)
 
 

@@ -12,7 +12,7 @@ FILE = Path(pvlib.__file__).parent / "data" / "703165TY.csv"
 
 
 def test_a_study_without_files_tells_of_none() -> None:
-    assert not any("taken for" in line or "not given" in line for line in run_of(["study=solar_reflex"]).warnings)
+    assert not any("taken for" in line or "not given" in line for line in run_of(["study=solar_reflex"]).remarks)
 
 
 def test_the_plan_tells_what_a_file_was_taken_for_and_which_values_are_usual_ones() -> None:
@@ -25,6 +25,6 @@ def test_the_plan_tells_what_a_file_was_taken_for_and_which_values_are_usual_one
         "~panel.cells_in_series",
     ]
     (run,) = make_plan([words])["runs"]
-    assert "day.weathers.clear: taken for TMY3, read by pvlib" in run["warnings"]
-    assert any(line.startswith("panel.cells_in_series: 36, not given: usual for") for line in run["warnings"])
+    assert "day.weathers.clear: taken for TMY3, read by pvlib" in run["remarks"]
+    assert any(line.startswith("panel.cells_in_series: 36, not given: usual for") for line in run["remarks"])
     assert run["sources"]["panel.cells_in_series"]["kind"] == "estimate"

@@ -46,7 +46,7 @@ def main(arguments: Sequence[str]) -> int:
         return 0
     swept = options_.multirun and options_.target == "all"
     plan = swept_plan(words, options_.cores) if swept else planned(words, options_.multirun)
-    for line in planfile.warnings(plan):
+    for line in planfile.remarks(plan):
         print(line, file=sys.stderr, flush=True)
     planfile.target(plan, options_.target)
     file = planfile.save(plan, store.RESULTS, say)

@@ -27,7 +27,7 @@ def tell(plan: Mapping[str, Any], targets: Iterable[str], results: Path) -> Iter
             yield from import_module(module).lines(run, steps, results)
     for run, steps in made[:MOST_RUNS]:
         yield f"results: {view_folder(results, run, 'results')}"
-        if {"page", "sweep_page"} & steps:
+        if any(item["step"] in steps and item["room"] == store.REPORTS and not item["place"] for item in run["view"]):
             yield f"the page: {view_folder(results, run, 'reports') / 'index.html'}"
     if len(made) > MOST_RUNS:
         yield f"and {len(made) - MOST_RUNS} more runs beside them"
@@ -86,7 +86,7 @@ class Workflow:
         self._stale: set[str] = set()
         if purpose == "job":
             return
-        for line in planfile.warnings(self.plan) if not config.get("plan") else ():
+        for line in planfile.remarks(self.plan) if not config.get("plan") else ():
             say(line)
         publish.own(self.plan, results)
         if purpose == "run":

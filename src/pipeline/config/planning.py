@@ -39,6 +39,7 @@ def run_of(words: Sequence[str]) -> plan.Run:
     study = study_from(composed)
     made = drafts(study)
     check_effort(composed, study, made)
+    kinds = {node.kind for node in made}
     return plan.Run(
         study.study.name,
         run_name(study.overrides),
@@ -47,7 +48,7 @@ def run_of(words: Sequence[str]) -> plan.Run:
         study.configuration,
         plain(study.sources),
         tuple(made),
-        warnings=tuple(line for one in registry.experiments().values() for line in one.warns(study)),
+        remarks=tuple(line for one in registry.experiments().values() for line in one.remarks(study, kinds)),
     )
 
 

@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import re
 import shlex
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
+from functools import partial
 from typing import Any
 
 from pipeline.config import naming
@@ -19,11 +20,10 @@ from pipeline.config.units import unit_of
 from pipeline.errors import UserError, best_matches
 from pipeline.kernel import digest, plan, registry, sweeps
 from pipeline.kernel.draft import drafted, paths, plain, reached
-from pipeline.kernel.experiment import Draft, Node
-from pipeline.published.records import read_tables, read_values
+from pipeline.kernel.experiment import Draft, Experiment, Node, Swept
 
 Watch = Callable[[Iterable[Any]], Iterable[Any]]
-_MOST_WARNINGS = 8
+_MOST_REMARKS = 8
 
 
 @dataclass(frozen=True)
@@ -33,14 +33,14 @@ class Asked:
     Arguments
     ---------
     name : of its folder; without, one is derived from the swept keys.
-    keep : kinds of nodes that it makes beside those of its own (`second_charge`), and `traces`.
+    keep : kinds of nodes that it makes on demand (`Step.swept_on_demand`), and `traces`.
     """
 
     name: str | None = None
     keep: tuple[str, ...] = ()
 
 
-_KEPT = ("traces", "second_charge")
+TRACES = "traces"
 _NAME = re.compile(r"[A-Za-z0-9][A-Za-z0-9_.+=-]{0,99}")
 
 
@@ -65,9 +65,10 @@ def asked(words: Sequence[str]) -> tuple[list[str], Asked]:
         raise UserError(f"override {told(word)}: no good name of a folder; allowed are letters, digits and ._+=-")
     word, keep = given.get("sweep.keep", ("", []))
     keep = keep if isinstance(keep, list) else [keep]
+    known = [TRACES, *sorted(_on_demand())]
     for one in keep:
-        if one not in _KEPT:
-            raise UserError(f"override {told(word)}: {one!r} is nothing to keep; {best_matches(str(one), _KEPT)}")
+        if one not in known:
+            raise UserError(f"override {told(word)}: {one!r} is nothing to keep; {best_matches(str(one), known)}")
     return own, Asked(None if name is None else str(name), tuple(keep))
 
 
@@ -104,7 +105,7 @@ class _Made:
     study: str
     composed: Composed
     nodes: Mapping[str, str]
-    warnings: tuple[str, ...]
+    remarks: tuple[str, ...]
 
 
 @dataclass(frozen=True)
@@ -131,7 +132,7 @@ class _Planner:
         owners = {registry.owners()[step] for step in _needed_steps()}
         self._makers = {name: Recalled(_listed(experiments[name].nodes)) for name in sorted(owners)}
         self._alone = {name: Recalled(one.alone) for name, one in experiments.items()}
-        self._warns = [Recalled(_listed(one.warns)) for one in experiments.values()]
+        self._remarks: dict[frozenset[str], list[Recalled]] = {}
         self._drafts: dict[Any, tuple[Any, Draft]] = {}
         self._keys: dict[Any, str] = {}
         self._fixed: dict[Any, dict[str, Any]] = {}
@@ -143,7 +144,7 @@ class _Planner:
         alone = {name for name, asks in self._alone.items() if asks(study)}
         makers = [make for name, make in self._makers.items() if name in alone or not alone]
         by_name = {node.name: node for make in makers for node in make(study)}
-        kept = [node for node in by_name.values() if node.step.swept and self._is_kept(node, composed)]
+        kept = list(self._kept([node for node in by_name.values() if node.step.swept], composed))
         if not kept:
             raise UserError(f"study {study.study.name}: nothing of it is swept; run it by itself, without -m")
         drafts: dict[str, Draft] = {}
@@ -152,20 +153,25 @@ class _Planner:
             self.shown[node.name] = dict(node.shown)
             self._key(node.name, by_name, study, drafts, keys)
         check_effort(composed, study, list(drafts.values()))
-        if not any(node.name.startswith("second_") for node in kept):
-            # Nothing is to be told of a battery that is not charged.
-            study = study.model_copy(update={"second_battery": None})
-        warnings = tuple(line for warn in self._warns for line in warn(study))
-        return _Made(study.study.name, composed, {node.name: keys[node.name] for node in kept}, warnings)
+        kinds = frozenset(draft.kind for draft in drafts.values())
+        remarks = tuple(line for told_of in self._told(kinds) for line in told_of(study))
+        return _Made(study.study.name, composed, {node.name: keys[node.name] for node in kept}, remarks)
 
-    def _is_kept(self, node: Node, composed: Composed) -> bool:
-        """Tell whether a node is of its step's own kind, of one that is asked for, or of one that is overridden."""
-        kind = node.name.split("/")[0]
-        if kind in (node.step.name, *self.keep):
-            return True
-        usual = {word for read in node.step.reads for word in paths(read, {**node.which, "cell": "battery"})}
-        own = {word for read in node.step.reads for word in paths(read, node.which)} - usual
-        return any(composed.touched(path) or composed.overridden(path) for path in own)
+    def _kept(self, nodes: Sequence[Node], composed: Composed) -> Iterator[Node]:
+        """Yield the nodes without those on demand that are neither asked for nor overridden in what is theirs alone."""
+        asked_for = {node.name: _kind(node) not in {*node.step.swept_on_demand} - {*self.keep} for node in nodes}
+        usual = {path for node in nodes if asked_for[node.name] for path in _read(node)}
+        for node in nodes:
+            own = () if asked_for[node.name] else {*_read(node)} - usual
+            if asked_for[node.name] or any(composed.touched(path) or composed.overridden(path) for path in own):
+                yield node
+
+    def _told(self, kinds: frozenset[str]) -> list[Recalled]:
+        """Return what makes the remarks on a run with nodes of some kinds."""
+        if kinds not in self._remarks:
+            experiments = registry.experiments().values()
+            self._remarks[kinds] = [Recalled(_listed(partial(_remarks, one, kinds))) for one in experiments]
+        return self._remarks[kinds]
 
     def _key(
         self, name: str, by_name: Mapping[str, Node], study: Any, drafts: dict[str, Draft], keys: dict[str, str]
@@ -191,7 +197,7 @@ class _Planner:
 
     def _draft(self, node: Node, study: Any) -> Draft:
         """Return a node with its settings; the same one while all that it declares to read is the same."""
-        reads = [_at(study, path) for read in node.step.reads for path in paths(read, node.which)]
+        reads = [_at(study, path) for path in _read(node)]
         which = (node.step.name, node.name, repr(node.which), repr(node.inputs), node.modules)
         identity = (which, tuple(id(value) for value in reads))
         if identity not in self._drafts:
@@ -201,6 +207,23 @@ class _Planner:
 
 def _listed(function: Callable[[Any], Iterable[Any]]) -> Callable[[Any], tuple[Any, ...]]:
     return lambda study: tuple(function(study))
+
+
+def _remarks(experiment: Experiment, kinds: Collection[str], study: Any) -> Iterable[str]:
+    return experiment.remarks(study, kinds)
+
+
+def _kind(node: Node) -> str:
+    return node.name.split("/")[0]
+
+
+def _read(node: Node) -> Iterator[str]:
+    return (path for read in node.step.reads for path in paths(read, node.which))
+
+
+def _on_demand() -> set[str]:
+    """Return the kinds of nodes that a sweep has only where they are asked for."""
+    return {kind for step in registry.steps().values() for kind in step.swept_on_demand}
 
 
 def _needed_steps() -> set[str]:
@@ -238,9 +261,9 @@ def _sweep(study: str, gathered: _Gathered, asked: Asked, command: str, planner:
         }
         for n, key in enumerate(keys)
     ]
-    warnings = list(dict.fromkeys(line for _, _, made in gathered.runs for line in made.warnings))
-    if len(warnings) > _MOST_WARNINGS:
-        warnings[_MOST_WARNINGS:] = [f"and {len(warnings) - _MOST_WARNINGS} more such notes on other runs"]
+    remarks = list(dict.fromkeys(line for _, _, made in gathered.runs for line in made.remarks))
+    if len(remarks) > _MOST_REMARKS:
+        remarks[_MOST_REMARKS:] = [f"and {len(remarks) - _MOST_REMARKS} more such notes on other runs"]
     used = {key for run in runs for key in run.keys.values()}
     nodes = reached(used, lambda key: planner.inputs[key].values())
     return sweeps.Sweep(
@@ -254,8 +277,8 @@ def _sweep(study: str, gathered: _Gathered, asked: Asked, command: str, planner:
         nodes={key: planner.nodes[key] for key in planner.nodes if key in nodes},
         inputs={key: planner.inputs[key] for key in nodes},
         closing=_closing(study, name, command, root, columns, runs),
-        shown=planner.shown if "traces" in asked.keep else {},
-        warnings=tuple(warnings),
+        shown=planner.shown if TRACES in asked.keep else {},
+        remarks=tuple(remarks),
     )
 
 
@@ -267,35 +290,14 @@ def _closing(
     columns: Sequence[Mapping[str, str]],
     runs: Sequence[sweeps.SweepRun],
 ) -> tuple[Draft, ...]:
-    """Return what is made of all runs: the table and the page."""
-    listed = [
+    """Return what the experiments make of all runs."""
+    listed = tuple(
         {"name": run.name, "values": list(run.values), "nodes": {node: f"{run.name}/{node}" for node in run.keys}}
         for run in runs
-    ]
-    inputs = {f"{run.name}/{node}": f"{run.name}/{node}" for run in runs for node in run.keys}
-    told = {"study": study, "sweep": name, "title": root.study.title, "keys": list(columns)}
-    files = {file: file for file in ("runs.parquet", "runs.csv")}
-    folder = f"results/{study}/{sweeps.FOLDER}/{name}"
-    of_page = told | {"command": command, "files": [f"{folder}/{file}" for file in files]}
-    table, page = "sweep", "sweep_page"
-    label = f"{study}.{name}"
-    gathered = told | {"runs": listed, "statements": _statements(root, runs)}
-    return (
-        Draft(table, table, label, gathered, inputs, (), files, "results", ()),
-        Draft(page, page, label, of_page, {table: table}, (), {"*": ""}, "reports", ()),
     )
-
-
-def _statements(root: Any, runs: Sequence[sweeps.SweepRun]) -> list[dict[str, Any]]:
-    """Return the published statements that the summaries of a run's charges answer."""
-    nodes = {node for run in runs for node in run.keys}
-    found = []
-    for name, stated in root.published.items():
-        read = read_values(stated)
-        of_charges = read and all(value.table == "summary" and value.artefact in nodes for value in read)
-        if of_charges and stated.basis == "model" and stated.check is not None and not read_tables(stated):
-            found.append({"name": name, "statement": plain(stated)})
-    return found
+    swept = Swept(root, name, command, f"results/{study}/{sweeps.FOLDER}/{name}", tuple(columns), listed)
+    makers = (one.gathers for one in registry.experiments().values())
+    return tuple(draft for gather in makers if gather is not None for draft in gather(swept))
 
 
 def _check_names(study: str, runs: Sequence[sweeps.SweepRun]) -> None:

@@ -5,7 +5,7 @@ An experiment is a package in `pipeline/experiments`; it exports one `EXPERIMENT
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any, NamedTuple, Protocol
 
@@ -64,7 +64,8 @@ class Step:
     on_demand : whether it runs only where something asks for what it makes.
     needed_by_figures : whether a figure that reads it is left out where it is not made.
     shown : whether the page reads its artefacts.
-    swept : whether each run of a sweep has its nodes, those of its own kind; others only where these take from them.
+    swept : whether each run of a sweep has its nodes; those of other steps only where these take from them.
+    swept_on_demand : kinds of its nodes that a sweep has only where `sweep.keep` or an override asks for them.
     """
 
     name: str
@@ -86,6 +87,7 @@ class Step:
     needed_by_figures: bool = False
     shown: bool = True
     swept: bool = False
+    swept_on_demand: tuple[str, ...] = ()
 
     def places(self, room: str, *without: str) -> dict[str, str]:
         """Return file -> place below a folder of the readable view, for every table of a fixed name."""
@@ -158,7 +160,32 @@ class Label:
     reads: tuple[str, ...]
 
 
+@dataclass(frozen=True)
+class Swept:
+    """The runs of a sweep, as an experiment that makes something of all of them is told.
+
+    Arguments
+    ---------
+    study : the root record of the first run.
+    name, command : of the sweep, and what a person typed.
+    folder : of its readable view, from the project.
+    keys : of every swept key its path, short name, unit and description.
+    runs : of every run its name, the values of the swept keys, and name -> artefact of its swept nodes.
+    """
+
+    study: Any
+    name: str
+    command: str
+    folder: str
+    keys: tuple[Mapping[str, str], ...]
+    runs: tuple[Mapping[str, Any], ...]
+
+
 def _no_nodes(study: Any) -> Iterable[Node]:
+    return ()
+
+
+def _no_remarks(study: Any, kinds: Collection[str]) -> Iterable[str]:
     return ()
 
 
@@ -185,7 +212,8 @@ class Experiment:
         Entries that nothing names are left out of the configuration.
     written : field of the part -> another record as which it may be written; `prepare` makes the field's own of it.
     prepare : (composed, values, written sources) -> values, before they are validated.
-    warns : study -> sentences for whoever plans it, each beginning with a key path; nothing is refused.
+    remarks : (study, kinds of the nodes that are made) -> sentences for whoever plans it, each beginning with a key
+        path; nothing is refused.
     checks : study -> nothing; raises `UserError`, its message beginning with a key path, for what no record can check.
     finds : study -> step -> names of the values that it finds.
     inputs : study -> names of the artefacts that statements may read, also with modes that a run leaves out.
@@ -193,6 +221,8 @@ class Experiment:
     labels : name -> part of the configuration that figures and pages show.
     alone : study -> whether it has these nodes and no others.
     closing : (study, every other node) -> nodes that depend on what the others are.
+    gathers : the runs of a sweep -> what is made of all of them, each from the artefacts of the runs and from those
+        before it.
     tells : module of the package whose `lines(run, results)` says at the end what a person should know.
     announces : module of the package whose `published(run, manifest, results)` is called when a run was published.
     """
@@ -206,12 +236,13 @@ class Experiment:
     written: Mapping[str, type] = field(default_factory=dict)
     prepare: Callable[[Any, dict[str, Any], dict[str, Any]], dict[str, Any]] | None = None
     checks: tuple[Callable[[Any], None], ...] = ()
-    warns: Callable[[Any], Iterable[str]] = _no_nodes  # type: ignore[assignment]
+    remarks: Callable[[Any, Collection[str]], Iterable[str]] = _no_remarks
     finds: Callable[[Any], Mapping[str, tuple[str, ...]]] = _no_names
     inputs: Callable[[Any], Iterable[str]] = _no_nodes  # type: ignore[assignment]
     fields: Callable[[Any], Mapping[str, Mapping[str, Iterable[object]]]] = _no_names
     labels: Mapping[str, Label] = field(default_factory=dict)
     alone: Callable[[Any], bool] = _never
     closing: Callable[[Any, Sequence[Draft]], Iterable[Node]] | None = None
+    gathers: Callable[[Swept], Iterable[Draft]] | None = None
     tells: str | None = None
     announces: str | None = None

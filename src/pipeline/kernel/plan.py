@@ -42,7 +42,7 @@ class Run:
     configuration, sources : as composed, plain data.
     nodes : inputs before those that read them.
     target : the one target that makes a run which `all` leaves out.
-    warnings : what whoever planned it was told.
+    remarks : what whoever planned it was told.
     """
 
     study: str
@@ -53,7 +53,7 @@ class Run:
     sources: Mapping[str, Any]
     nodes: tuple[Draft, ...]
     target: str | None = None
-    warnings: tuple[str, ...] = ()
+    remarks: tuple[str, ...] = ()
     keys: dict[str, str] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
@@ -69,7 +69,7 @@ class Run:
             "seed": self.seed,
             "configuration": self.configuration,
             "sources": self.sources,
-            "warnings": list(self.warnings),
+            "remarks": list(self.remarks),
             "nodes": {node.name: {"step": node.step, "key": self.keys[node.name]} for node in self.nodes},
             "view": [
                 {"step": node.step, "key": self.keys[node.name], "file": file, "place": place, "room": node.room}

@@ -14,7 +14,7 @@ from pipeline.kernel import digest, kept, places, store
 from pipeline.kernel.errors import UserError
 from pipeline.kernel.last_resort import remedy
 
-VERSION = 3
+VERSION = 4
 _MOST_KEPT = 64
 _DIGEST = re.compile("[0-9a-f]{16}")
 
@@ -138,7 +138,7 @@ def command(study: str, overrides: Sequence[str]) -> str:
     return f"snakemake --cores 2 all --config overrides={shlex.quote(words)}"
 
 
-def warnings(plan: Mapping[str, Any]) -> list[str]:
+def remarks(plan: Mapping[str, Any]) -> list[str]:
     """Return what whoever makes a plan is told of its runs, each sentence once."""
-    told = [f"note: {run['study']}: {line}" for run in plan["runs"] for line in run["warnings"]]
+    told = [f"note: {run['study']}: {line}" for run in plan["runs"] for line in run["remarks"]]
     return list(dict.fromkeys(told))

@@ -43,7 +43,7 @@ class Sweep:
     inputs : key of a node -> name of each input -> key of the node that makes it.
     closing : nodes made from those of all runs; each takes all that the runs have, and the closing ones before it.
     shown : name of a run's node -> file of its artefact -> its place in the run's folder of the readable view.
-    warnings : what whoever planned it was told.
+    remarks : what whoever planned it was told.
     """
 
     study: str
@@ -57,7 +57,7 @@ class Sweep:
     inputs: Mapping[str, Mapping[str, str]]
     closing: tuple[Draft, ...]
     shown: Mapping[str, Mapping[str, str]] = field(default_factory=dict)
-    warnings: tuple[str, ...] = ()
+    remarks: tuple[str, ...] = ()
 
 
 def make(sweeps: Sequence[Sweep], cores: int) -> dict[str, Any]:
@@ -133,7 +133,7 @@ def _described(sweep: Sweep, nodes: dict[str, dict[str, Any]], labels: dict[str,
         "seed": sweep.seed,
         "configuration": sweep.configuration,
         "sources": sweep.sources,
-        "warnings": list(sweep.warnings),
+        "remarks": list(sweep.remarks),
         "nodes": {name: {"step": nodes[key]["step"], "key": key} for name, key in keys.items()}
         | {f"{nodes[key]['step']}/{key[:12]}": {"step": nodes[key]["step"], "key": key} for key in sweep.nodes},
         "view": view,

@@ -137,7 +137,7 @@ def test_a_value_calibrated_in_the_second_reaches_the_verdict_on_it_alone():
 
 def test_points_that_a_table_leaves_out_are_told_when_planned():
     words = ("study=lfp_cuckoo", "battery.entropic_coefficient_v_k.soc=[-0.05,0.1,0.2,0.3,0.4,0.5,0.75,1.1]")
-    told = make_plan([words])["runs"][0]["warnings"]
+    told = make_plan([words])["runs"][0]["remarks"]
     cut = [line for line in told if line.startswith("battery.entropic")]
     assert cut == [
         "battery.entropic_coefficient_v_k.soc: SOC -0.05, 1.1 lies outside 0 to 1 and is left out; "

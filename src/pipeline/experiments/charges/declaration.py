@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Collection, Iterable, Iterator, Mapping
 from typing import Any
 
 from pipeline.charge.comparison import compared, level_of, peak_current_a, scale
@@ -10,7 +10,7 @@ from pipeline.charge.effort import effort
 from pipeline.charge.vocabulary import SUMMARY
 from pipeline.config.compose import options
 from pipeline.config.sources import beyond
-from pipeline.experiments.charges.records import ChargesPart, check_modes, prepare, warn_modes
+from pipeline.experiments.charges.records import ChargesPart, check_modes, prepare, remarks_on_modes
 from pipeline.experiments.charges.tables import CHARGE
 from pipeline.kernel.draft import plain, untitled
 from pipeline.kernel.experiment import FOUND, Effort, Experiment, Label, Node, Step
@@ -89,6 +89,7 @@ CHARGED = Step(
     target="charges",
     chunk=(4, 12),  # loading the kernels takes as long as a charge or two
     swept=True,
+    swept_on_demand=(SECOND,),
 )
 SAMPLED = Step(
     "ensemble",
@@ -197,8 +198,8 @@ def _beyond(config: Any) -> dict[str, Any]:
     return {"said": beyond(config.sources_below("battery"), config.charge.initial_soc, config.charge.ambient_c)}
 
 
-def _warnings(study: Any) -> Iterator[str]:
-    yield from warn_modes(study)
+def _remarks(study: Any, kinds: Collection[str]) -> Iterator[str]:
+    yield from remarks_on_modes(study, second=SECOND in kinds)
     own = {path: source for path, source in study.sources.items() if path.startswith("battery.")}
     yield from (f"charge: {told}" for told in beyond(own, study.charge.initial_soc, study.charge.ambient_c))
 
@@ -221,7 +222,7 @@ EXPERIMENT = Experiment(
     },
     prepare=prepare,
     checks=(check_modes,),
-    warns=_warnings,
+    remarks=_remarks,
     inputs=_readable,
     fields=_fields,
     labels={

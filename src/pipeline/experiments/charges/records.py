@@ -112,12 +112,13 @@ def batteries(study: Any) -> dict[str, Battery]:
     return {path: one for path, one in (found | others).items() if one is not None}
 
 
-def warn_modes(study: Any) -> Iterator[str]:
-    """Yield what whoever plans the charges should know of them."""
-    for path, battery in batteries(study).items():
+def remarks_on_modes(study: Any, second: bool) -> Iterator[str]:
+    """Yield what whoever plans the charges should know of them; `second`: whether the second battery is charged."""
+    used = {path: battery for path, battery in batteries(study).items() if second or path != "second_battery"}
+    for path, battery in used.items():
         yield from (f"{path}.{told}" for told in cuts(battery))
-    for battery in (study.battery, study.second_battery):
-        for name in study.run if battery is not None else ():
+    for battery in (used[path] for path in ("battery", "second_battery") if path in used):
+        for name in study.run:
             yield from (f"modes.{name}.{told}" for told in notices(battery, study.modes[name], study.charge))
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Collection, Iterable, Iterator
 from typing import Any
 
 from pydantic import Field
@@ -313,7 +313,7 @@ def check(study: Any) -> None:
             raise UserError(f"day.initial_soc: {day.initial_soc:g} does not go with modes.{mode}.{error}") from None
 
 
-def _remarks(study: Any) -> Iterator[str]:
+def _remarks(study: Any, kinds: Collection[str]) -> Iterator[str]:
     """Yield what the files of weathers and load were taken for."""
     for name, weather in study.day.weathers.items() if study.day is not None else ():
         yield from (f"day.weathers.{name}: {note}" for note in told(weather, f"day.weathers.{name}"))
@@ -352,7 +352,7 @@ EXPERIMENT = Experiment(
     part=DaysPart,
     parameters=("day",),
     checks=(check,),
-    warns=_remarks,
+    remarks=_remarks,
     inputs=_readable,
     fields=lambda study: {"weather": {}, "day": {}},
     labels={

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Collection, Iterator
 from pathlib import Path
 from typing import Any
 
@@ -133,7 +133,7 @@ def check(study: Any) -> None:
     check_held_out(measured, study.battery, chosen)
 
 
-def _remarks(study: Any) -> Iterator[str]:
+def _remarks(study: Any, kinds: Collection[str]) -> Iterator[str]:
     """Yield what the files were taken for and what was done to them."""
     if study.measured is None or not study.measured.files:
         return
@@ -155,7 +155,7 @@ EXPERIMENT = Experiment(
     nodes=nodes,
     part=OwnBatteryPart,
     checks=(check,),
-    warns=_remarks,
+    remarks=_remarks,
     inputs=lambda study: ("own_reading", "own_fit", "own_charges") if study.measured is not None else (),
     fields=lambda study: {} if study.measured is None else {FITTING.name: {}},
     labels={"own": Label(_label, ("measured.file", "measured.more", "own_battery.title"))},

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Collection, Iterator
 from typing import Any
 
 from pipeline.converter import records as converters
@@ -184,7 +184,7 @@ def check(study: Any) -> None:
     converters.check(power_w, voltage_v, study.converter, study.load)
 
 
-def _remarks(study: Any) -> Iterator[str]:
+def _remarks(study: Any, kinds: Collection[str]) -> Iterator[str]:
     """Yield what a weather's file was taken for, and which values of the panel stand on no data sheet."""
     if study.panel is None:
         return
@@ -221,7 +221,7 @@ EXPERIMENT = Experiment(
     written={"panel": PanelEntry},
     prepare=by_name,
     checks=(check,),
-    warns=_remarks,
+    remarks=_remarks,
     inputs=lambda study: ("panel", "supply") if study.panel is not None else (),
     labels={
         "system": Label(

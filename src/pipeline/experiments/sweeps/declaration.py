@@ -5,7 +5,13 @@ Their nodes are no part of a run's own; whoever plans a sweep asks for them.
 
 from __future__ import annotations
 
-from pipeline.kernel.experiment import Experiment, Step
+from collections.abc import Iterator
+from typing import Any
+
+from pipeline.experiments.sweeps.reading import CSV, TABLE
+from pipeline.kernel.draft import plain
+from pipeline.kernel.experiment import Draft, Experiment, Step, Swept
+from pipeline.published.records import read_tables, read_values
 
 SWEEP = Step(
     "sweep",
@@ -22,8 +28,34 @@ PAGE = Step(
     files=("src/pipeline/experiments/sweeps/*.j2", "src/pipeline/report/templates/*", "src/pipeline/report/*.mplstyle"),
     shown=False,
 )
+
+
+def gathers(sweep: Swept) -> Iterator[Draft]:
+    """Yield the table of a sweep's runs, and its page."""
+    study = sweep.study.study
+    label = f"{study.name}.{sweep.name}"
+    told = {"study": study.name, "sweep": sweep.name, "title": study.title, "keys": list(sweep.keys)}
+    settings = told | {"runs": list(sweep.runs), "statements": list(_statements(sweep))}
+    inputs = {node: node for run in sweep.runs for node in run["nodes"].values()}
+    files = {file: file for file in (TABLE, CSV)}
+    yield Draft(SWEEP.name, SWEEP.name, label, settings, inputs, (), files, "results", ())
+    of_page = told | {"command": sweep.command, "files": [f"{sweep.folder}/{file}" for file in files]}
+    yield Draft(PAGE.name, PAGE.name, label, of_page, {SWEEP.name: SWEEP.name}, (), {"*": ""}, "reports", ())
+
+
+def _statements(sweep: Swept) -> Iterator[dict[str, Any]]:
+    """Yield the published statements that the summaries of a run's charges answer."""
+    nodes = {node for run in sweep.runs for node in run["nodes"]}
+    for name, stated in sweep.study.published.items():
+        read = read_values(stated)
+        of_charges = read and all(value.table == "summary" and value.artefact in nodes for value in read)
+        if of_charges and stated.basis == "model" and stated.check is not None and not read_tables(stated):
+            yield {"name": name, "statement": plain(stated)}
+
+
 EXPERIMENT = Experiment(
     title="sweeps: the outcomes of many runs",
     steps=(SWEEP, PAGE),
+    gathers=gathers,
     tells="telling",
 )
