@@ -38,6 +38,8 @@ class Commands:
         self.work = work
         self.random = random.Random(seed)
         self.tally = Tally()
+        # A shell's background jobs ignore it, and what they start would too.
+        signal.signal(signal.SIGINT, signal.default_int_handler)
         # Readable by others: one of the strikes is another user's.
         for folder in (work, work.parent):
             folder.chmod(0o755)

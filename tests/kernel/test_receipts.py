@@ -40,6 +40,29 @@ def test_broken_receipts_are_dropped(tmp_path: Path) -> None:
     assert receipts.path_of(tmp_path, "step", "good-1").is_file()
 
 
+def test_behind_a_receipt_that_cannot_be_read_damage_is_said_too(tmp_path: Path) -> None:
+    keys = [letter * 64 for letter in "abc"]
+    for key in keys:
+        store.make(tmp_path, "step", key, _writer(key[0]))
+    store.remove(store.artefact(tmp_path, "step", keys[0]))
+    damaged = store.artefact(tmp_path, "step", keys[1])
+    (damaged / "one.txt").chmod(0o644)
+    (damaged / "one.txt").write_text("y")
+    chunks = {"torn-1": {"step": "step", "nodes": keys, "needs": []}}
+    path = receipts.path_of(tmp_path, "step", "torn-1")
+    store.write_text(path, "")
+    looked, said = [], []
+    assert receipts.drop_broken(tmp_path, chunks, say=looked.append, look=True) == ["torn-1"]
+    assert damaged.is_dir()
+    assert receipts.drop_broken(tmp_path, chunks, say=said.append) == ["torn-1"]
+    assert said[0] == f"{path} cannot be read: written anew"
+    assert said[1].endswith(f"{keys[0]} is missing: made again")
+    assert f"{damaged / 'one.txt'} changed since it was sealed: made again" in said[2]
+    assert len(said) == len(looked) == 3
+    assert [*(tmp_path / "quarantine").rglob("one.txt")] != []
+    assert not damaged.exists()
+
+
 VIEW = {"p-1": {"step": "publish", "needs": []}}
 
 

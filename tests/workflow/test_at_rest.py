@@ -89,7 +89,7 @@ DAMAGE: dict[str, Callable[[Project], str]] = {
         "store/resting/*/curve.parquet", _flip, "curve.parquet changed since it was sealed"
     ),
     "an empty table": _of("store/resting/*/curve.parquet", _empty, "curve.parquet changed"),
-    "no trace": _of("store/charge/*/trace*", Path.unlink, "missing, made again"),
+    "no trace": _of("store/charge/*/trace*", Path.unlink, "is missing: made again"),
     "no artefact": _of("store/verdicts/*", shutil.rmtree, "is missing: made again"),
     "a garbled list of contents": _of(
         "store/page/*/contents.json", lambda path: _write(path, "%"), "contents.json changed"

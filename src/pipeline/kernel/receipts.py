@@ -86,7 +86,7 @@ def drop_broken(
 
     Arguments
     ---------
-    chunks : chunk -> its step and the chunks it needs, those before it.
+    chunks : chunk -> its step, the keys of its nodes if it has any, and the chunks it needs, those before it.
     verify : read the content of every file.
     say : takes one line for each file that changed.
     look : tell only; nothing is deleted, moved or dated anew.
@@ -102,7 +102,7 @@ def drop_broken(
         path = path_of(results, chunk["step"], name)
         if not path.exists() and not path.is_symlink():
             continue
-        honoured = check.honours(path, chunk["step"])
+        honoured = check.honours(path, chunk["step"], chunk.get("nodes", ()))
         if honoured and dropped.keys().isdisjoint(chunk["needs"]):
             dated[name] = check.date(path, [dated[need] for need in chunk["needs"] if need in dated])
             continue
@@ -157,24 +157,42 @@ class _Check:
         self._look = look
         self._now = time.time_ns()
 
-    def honours(self, path: Path, step: str, files: bool = True) -> bool:
+    def honours(self, path: Path, step: str, keys: Collection[str] = (), files: bool = True) -> bool:
         """Tell whether all that a receipt stands for is there, as it was sealed; say what is not, move it away.
 
         Arguments
         ---------
+        keys : of the artefacts that the plan expects of the job; looked at where the receipt cannot be read.
         files : look at each file too, not only at the lists of them.
         """
         try:
             made = self._read(path, step)
-            for key, listed in made["artefacts"].items():
-                self._sealed(step, key, listed)
-            for manifest, kept in made["views"].items():
-                self._shows(self._results.parent / manifest, kept)
-            return not files or self._unchanged(path, made)
+        except Broken as broken:
+            self._say(str(broken))
+            for key in keys:
+                self._look_at(store.artefact(self._results, step, key))
+            return False
+        faults = {key: self._fault(self._sealed, step, key, listed) for key, listed in made["artefacts"].items()}
+        root = self._results.parent
+        faults |= {name: self._fault(self._shows, root / name, kept) for name, kept in made["views"].items()}
+        whole = all(fault is None for fault in faults.values())
+        # Files of an artefact that is broken as a whole, or of a view that shows another run, are not looked at.
+        rest = {
+            "step": step,
+            "artefacts": {key: listed for key, listed in made["artefacts"].items() if faults[key] is None},
+            "views": {name: kept for name, kept in made["views"].items() if faults[name] != ""},
+        }
+        return (not files or self._unchanged(path, made, _files(self._results, rest), whole)) and whole
+
+    def _fault(self, check: Callable[..., None], *arguments: Any) -> str | None:
+        """Return what a check finds wrong, which is said; None where it finds nothing."""
+        try:
+            check(*arguments)
         except Broken as broken:
             if str(broken):
                 self._say(str(broken))
-            return False
+            return str(broken)
+        return None
 
     def date(self, path: Path, needs: list[int]) -> int:
         """Return the time of a receipt, not before those it needs and not ahead of the clock, and date it so [ns]."""
@@ -202,6 +220,14 @@ class _Check:
         if own != step or len(kept) != len(made["views"]) or not all(inside):
             raise Broken(f"{path} is not the receipt of this job: written anew")
         return made | {"stats": stats}
+
+    def _look_at(self, folder: Path) -> None:
+        """Say what is wrong with an artefact that no receipt vouches for, and move it away."""
+        if not folder.is_dir():
+            self._say(f"{folder} is missing: made again")
+        elif (fault := store.damage(folder)) is not None:
+            away = self._quarantine(folder)
+            self._say(f"{fault}: made again" if away is None else f"{fault}: made again, {folder.name} {_where(away)}")
 
     def _sealed(self, step: str, key: str, listed: Mapping[str, str]) -> None:
         folder = store.artefact(self._results, step, key)
@@ -233,17 +259,19 @@ class _Check:
             away = self._quarantine(manifest)
             raise Broken(f"{manifest} changed since it was written: {_where(away)}, written anew")
 
-    def _unchanged(self, path: Path, made: Mapping[str, Any]) -> bool:
-        """Tell whether the files of a receipt are what was sealed; quarantine those that are not."""
-        files = _files(self._results, made)
+    def _unchanged(self, path: Path, made: Mapping[str, Any], files: Mapping[str, str], whole: bool) -> bool:
+        """Tell whether some files of a receipt are what was sealed; quarantine those that are not."""
         now, kept = _stats(self._results, files), made["stats"]
         root = self._results.parent
         suspects = [name for name in files if self._verify or now.get(name) != kept.get(name)]
         damaged = [root / name for name in suspects if not _is(root / name, files[name])]
         for file in damaged:
             away = self._quarantine(file)
-            self._say(f"{file} changed since it was sealed: {_where(away)}, made again")
-        if not damaged and now != kept and not self._look:
+            told = (
+                "is missing: made again" if away is None else f"changed since it was sealed: {_where(away)}, made again"
+            )
+            self._say(f"{file} {told}")
+        if whole and not damaged and now != kept and not self._look:
             # Same content under another time or inode: kept anew, and Snakemake need not see a younger receipt.
             times = path.stat()
             store.write_json(path, {**made, "stats": now})

@@ -74,7 +74,7 @@ def damage(folder: Path) -> str | None:
         if not path.is_file():
             return f"{path} is missing"
         if digest.of_file(path) != expected:
-            return f"{path} is not what was sealed"
+            return f"{path} changed since it was sealed"
     return None
 
 
@@ -130,7 +130,7 @@ def make_many(
             if faults[key] is None:
                 _compare(folders[key], contents(folders[key]), listed)
             else:
-                _replace(folders[key], temporary[key])
+                _replace(results, folders[key], temporary[key])
         _sync(parent)
         return made | sealed
     finally:
@@ -268,11 +268,10 @@ def _on_disk(folders: Collection[Path]) -> None:
             _sync(path)
 
 
-def _replace(folder: Path, temporary: Path) -> None:
+def _replace(results: Path, folder: Path, temporary: Path) -> None:
     if damage(folder) is None:
         return
-    if folder.exists():
-        remove(folder)
+    quarantine(results, folder)
     try:
         temporary.replace(folder)
     except OSError:
