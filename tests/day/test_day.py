@@ -53,6 +53,21 @@ def test_a_pause_stops_the_clock_of_a_phase():
     assert found.changes[1].reason == "surplus below 1 W"
 
 
+def test_what_a_day_did_not_bring_is_said():
+    """Bulk lasts an hour: 40 minutes of sun do not see its end, and the pulses after it never begin."""
+    short = day("cv_reflex", sun([30.0] * 4 + [0.0] * 6))
+    assert short.missed == f"SOC 0.99 not reached by last light, SOC {short.end_soc:.4g}; reflex never ran"
+    whole = day("cv_reflex", sun([1e3], interval_s=24 * HOUR))
+    assert whole.changes[-1].after == ENDED
+    assert whole.missed == ""
+
+
+def test_a_phase_whose_end_is_met_at_first_light_is_said():
+    phases = {"bulk": {"constant_voltage": {}, "until": {"soc": 0.1}}, "pulse": PULSES["pulse"]}
+    found = day("cv_pulse", sun([30.0] * 4), phases=phases)
+    assert "bulk skipped: soc 0.1, met as it began" in found.missed
+
+
 def test_the_time_at_the_full_current_is_that_of_the_trace():
     """Steady: what is at the full current has it from its lowest to its highest; samples that change are either."""
     found = day("cc_cv", sun([40.0] * 4 + [12.0] * 4 + [40.0] * 12))

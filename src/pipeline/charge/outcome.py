@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
@@ -129,35 +129,50 @@ def missed(outcome: Outcome) -> str:
     the stops of SOC, voltage and current and those that are watched for, of the charge and of its last phase; any of
     them may end the charge. Time and temperature are limits: a charge that has no goal beside them misses none.
     """
-    goal = _missed_goal(outcome)
-    parts = [goal, _not_held(outcome) if goal else "", _listed(_never_ran(outcome), "never ran"), *_skipped(outcome)]
+    goal = missed_goal(outcome)
+    begun = {outcome.protocol.courses[int(row[7])].name for row in outcome.ran}
+    parts = [goal, _not_held(outcome) if goal else "", never_ran(outcome.protocol, begun), *_skipped(outcome)]
     return "; ".join(part for part in parts if part)
 
 
-def _missed_goal(outcome: Outcome) -> str:
-    protocol, totals = outcome.protocol, outcome.book.totals
-    name, limits, of_stop = _end(outcome, -1)
+def goals(protocol: Protocol) -> dict[str, float]:
+    """Return the limits that end a charge which is done: those of the sheet itself and of its last phase."""
     last = protocol.courses[-1]
     of_last = {"soc": last.edge_soc} if last.edge_soc is not None else {}
-    stops = {goal: value for goal, value in protocol.stop.items() if goal not in protocol.built_in}
-    wanted = {**of_last, **last.until, **stops}
+    wanted = {**of_last, **last.until, **_own_stops(protocol)}
+    return {goal: wanted[goal] for goal in _GOALS if goal in wanted}
+
+
+def either(limits: Mapping[str, float]) -> str:
+    """Return limits in words, any of which may end a charge."""
+    return " or ".join(_limit(goal, value) for goal, value in limits.items())
+
+
+def _own_stops(protocol: Protocol) -> dict[str, float]:
+    return {goal: value for goal, value in protocol.stop.items() if goal not in protocol.built_in}
+
+
+def missed_goal(outcome: Outcome) -> str:
+    """Return in words which goal a charge did not reach, and why; empty where it has none or reached one."""
+    protocol, totals = outcome.protocol, outcome.book.totals
+    name, limits, of_stop = _end(outcome, -1)
+    last, stops = protocol.courses[-1], _own_stops(protocol)
     full = of_stop and name in protocol.built_in
-    goals = {goal: wanted[goal] for goal in _GOALS if goal in wanted}
-    if full and not goals:
-        goals = {"elapsed_s": protocol.stop["elapsed_s"]}
+    wanted = goals(protocol)
+    if full and not wanted:
+        wanted = {"elapsed_s": protocol.stop["elapsed_s"]}
     ended = protocol.courses[int(outcome.ran[-1][7])]
     done = name in stops if of_stop else ended.group == last.group and name not in stops
     end_soc = 1.0 - float(outcome.run["state"][DEPTH])
-    if not goals or (name in _GOALS and done) or end_soc >= goals.get("soc", 2.0) - _ROUNDING:
+    if not wanted or (name in _GOALS and done) or end_soc >= wanted.get("soc", 2.0) - _ROUNDING:
         return ""
-    said = " or ".join(_limit(goal, value) for goal, value in goals.items())
     where = "" if of_stop else "the last phase ended, "
     # The last step tells the current only where every step is integrated: pulses may be crossed in closed form.
-    flowing = f", {outcome.run['at'][TOTAL, 2]:.4g} A flowing" if "current_a" in goals and _steady(ended) else ""
+    flowing = f", {outcome.run['at'][TOTAL, 2]:.4g} A flowing" if "current_a" in wanted and _steady(ended) else ""
     why = "the battery is full" if full else _limit(name, limits[name])
     lit_s = float(totals[SUPPLY_LIMITED_S])
     dim = f", the supply at its limit for {_hours(lit_s)}" if lit_s > 0.0 and name == "elapsed_s" else ""
-    return f"{said} not reached, SOC {end_soc:.4g} at {_hours(outcome.end_s)}{flowing}: {where}{why}{dim}"
+    return f"{either(wanted)} not reached, SOC {end_soc:.4g} at {_hours(outcome.end_s)}{flowing}: {where}{why}{dim}"
 
 
 def _steady(course: Course) -> bool:
@@ -174,11 +189,10 @@ def _not_held(outcome: Outcome) -> str:
     return f"{course.name} never held its {course.values['voltage_v']:g} V"
 
 
-def _never_ran(outcome: Outcome) -> list[str]:
-    """Return the names of the phases and stages, in the order of the sheet, of which no turn was begun."""
-    courses = outcome.protocol.courses
-    begun = {courses[int(row[7])].name for row in outcome.ran}
-    return [name for name in dict.fromkeys(course.name for course in courses) if name not in begun]
+def never_ran(protocol: Protocol, begun: Collection[str]) -> str:
+    """Return in words which phases and stages, in the order of the sheet, are not among those that were begun."""
+    names = dict.fromkeys(course.name for course in protocol.courses)
+    return _listed([name for name in names if name not in begun], "never ran")
 
 
 def _skipped(outcome: Outcome) -> list[str]:

@@ -20,7 +20,7 @@ from pipeline.charge import drive
 from pipeline.charge.checks import check
 from pipeline.charge.controller import Control, compile_control, interrupt
 from pipeline.charge.energy import balance
-from pipeline.charge.outcome import Outcome, reason, trace
+from pipeline.charge.outcome import Outcome, either, goals, missed_goal, never_ran, reason, trace
 from pipeline.charge.period import TICK, new_clock
 from pipeline.charge.program import compile_program
 from pipeline.charge.protocol import Course, Protocol, resolve
@@ -66,7 +66,8 @@ class DayCharge:
     """What came of a day: the engine's trace, the changes of state, the battery's energies, the longest stays.
 
     `charging_s` is the time for which charging parts of waveforms lasted by their sheet, all pauses left out; the three
-    times beside it are what the engine spent in each control while it charged.
+    times beside it are what the engine spent in each control while it charged. `missed` says in words which goal of the
+    sheet was not reached, which phases never ran, and which were over as they began; empty where none.
     """
 
     trace: Mapping[str, Any]
@@ -82,6 +83,7 @@ class DayCharge:
     charge_in_ah: float
     charge_out_ah: float
     steps: int
+    missed: str
 
 
 def charge_over_day(
@@ -163,7 +165,23 @@ def charge_over_day(
         end_temperature_c=float(run["state"][TEMPERATURE]) - ZERO_CELSIUS_K,
         end_soc=1.0 - float(run["state"][DEPTH]),
         steps=int(run["steps"]),
+        missed=missed(sheet, place, log, 1.0 - float(run["state"][DEPTH])),
     )
+
+
+def missed(sheet: Protocol, place: Place, log: Log, end_soc: float) -> str:
+    """Return in words what a sheet asked for and a day did not bring.
+
+    Arguments
+    ---------
+    place : where the charge stands at last light.
+    log : what was noted of its legs.
+    """
+    wanted = goals(sheet)
+    unmet = f"{either(wanted)} not reached by last light, SOC {end_soc:.4g}" if wanted and not place.over else ""
+    skipped = [f"{name} skipped: {why}" for name, why in log.skipped.items() if name not in log.ran]
+    parts = [unmet, log.missed_goal, never_ran(sheet, {*log.ran, *log.skipped}), *skipped]
+    return "; ".join(part for part in parts if part)
 
 
 def _lent(day: Surroundings, course: Course) -> Array:
@@ -256,11 +274,18 @@ def pause(until_s: float) -> Protocol:
 
 @dataclass
 class Log:
-    """What is noted of the legs: changes of state, and the time for which the waveforms charged."""
+    """What is noted of the legs.
+
+    Changes of state; the time for which the waveforms charged; names of the phases that ran, and of those over as they
+    began with the reason; the goal that was not reached when the sheet ended the charge, in words.
+    """
 
     switching: Switching
     changes: list[Change] = field(default_factory=list)
     charging_s: float = 0.0
+    ran: set[str] = field(default_factory=set)
+    skipped: dict[str, str] = field(default_factory=dict)
+    missed_goal: str = ""
 
     def enter(self, time_s: float, state: str, why: str, course: Course | None = None) -> None:
         """Note that a state holds from a time on; nothing where it held before."""
@@ -303,6 +328,10 @@ class Log:
                 self.charging_s += length_s * shares(course)[0]
                 self.enter(float(row[1]), MODE_2 if course.waveform.periodic else MODE_1, why, course)
             why = reason(asked, begun + number)
+            if length_s > 0.0:
+                self.ran.add(course.name)
+            elif int(row[3]) < LIMITS or int(row[3]) >= EDGE:
+                self.skipped.setdefault(course.name, f"{why}, met as it began")
             place.course, place.used_s = first + int(row[7]), spent_s
         code = int(rows[-1][3])
         place.why, place.begun = "", code == LIMITS + ELAPSED
@@ -312,7 +341,7 @@ class Log:
         while code != EDGE and following < len(sheet.courses) and sheet.courses[following].group == group:
             following += 1
         if LIMITS <= code < EDGE or following == len(sheet.courses):
-            place.over = why
+            place.over, self.missed_goal = why, missed_goal(asked)
             self.enter(outcome.end_s, ENDED, why)
             return
         place.why, place.course = why, following

@@ -61,6 +61,7 @@ def write(folder: Path, days: dict[str, str]) -> dict[str, Path]:
                 "reason": ["first light", "sun", "elapsed 3600 s", "stop: soc 0.99"],
             }
             fill(output, "switching", changes, 4)
+            output.write("missed", {"missed": ["reflex never ran"] if mode == "cv_reflex" else []})
             parts = ("panel", "tracker", "boost", "load", "buck", "resistor", "battery")
             energies = {f"{part}_wh": 10.0 for part in parts} | {"curtailed_wh": 50.0, "stored_wh": 80.0 - number}
             done = {"ended_clock_s": 43200.0} if sky == "clear" else {}
@@ -146,6 +147,7 @@ def test_the_sentences_are_computed(days):
     found = page.text(days)
     assert "CC-CV ends at 12:00 (stop: soc 0.99)" in found
     assert "CV-Reflex reaches 50.0 % by last light" in found
+    assert "CV-Reflex: reflex never ran." in found
     assert "40 % of it is stored, and for 25 % there is no use" in found
 
 

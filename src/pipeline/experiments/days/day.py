@@ -40,4 +40,5 @@ def run(settings: Mapping[str, Any], inputs: Inputs, output: Output) -> None:
     output.write("trace", found)
     output.write("switching", summary.switching(charge, clock_s))
     output.rows("stages", parts, summary.Stage._fields)
+    output.write("missed", {"missed": [charge.missed] if charge.missed else []})
     output.numbers(summary.quantities(charge, found, parts))

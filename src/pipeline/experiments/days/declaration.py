@@ -125,6 +125,12 @@ DAY_STAGES = Table(
     ),
 )
 
+DAY_MISSED = Table(
+    "day_missed",
+    "What the mode's sheet asked for and the day did not bring; no row where there is nothing to say",
+    (Column("missed", "", "goals not reached, phases that never ran or were over as they began", "text"),),
+)
+
 SKY = {
     "weather": TableFile("weather.parquet", WEATHER, time="time_s"),
     "gaps": TableFile("gaps.parquet", WEATHER_GAPS),
@@ -143,6 +149,7 @@ DAY = {
     "trace": TableFile("trace.parquet", DAY_TRACE, time="time_s"),
     "switching": TableFile("switching.parquet", DAY_SWITCHING),
     "stages": TableFile("stages.parquet", DAY_STAGES),
+    "missed": TableFile("missed.parquet", DAY_MISSED),
     # A rounding error, and a count that follows from where steps of a bounded error end.
     **numbers({"energy_balance_residual": CHAOTIC, "steps": 0.05}),
 }
@@ -364,4 +371,5 @@ EXPERIMENT = Experiment(
             ),
         )
     },
+    tells="telling",
 )

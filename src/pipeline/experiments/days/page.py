@@ -192,6 +192,11 @@ def text(data: ReportData) -> str:
             f"{sentence(title)} day, {sky['irradiation_kwh_m2']:.2f} kWh/m²: {'; '.join(parts)}. With "
             f"{data.modes[modes[0]].title}, {share:.0f} % of it is stored, and for {unused:.0f} % there is no use."
         )
+        sentences += [
+            f"{data.modes[mode].title}: {told}."
+            for mode in modes
+            for told in data.table(f"day/{name}/{mode}", "missed")["missed"]
+        ]
         if sky.get("gaps"):
             sentences.append(
                 f"Its file has {sky['gaps']:.0f} gaps, {sky['gap_s']:.0f} s together; {sky['dark_gaps']:.0f} of them, "
