@@ -165,17 +165,6 @@ class ReportData:
         """Tell whether an input of this run has a table."""
         return self.inputs.holds(source, name)
 
-    @property
-    def cells(self) -> tuple[str, ...]:
-        """Return the titles of the batteries, where the reader asks for them."""
-        return tuple(self.settings.get("cells", {}).get("titles", ()))
-
-    def second(self) -> ReportData:
-        """Return the charges of the second battery as if they were the first's, and nothing else."""
-        names = {f"charge/{name.partition('/')[2]}": name for name in self.inputs.of_kind("second_charge")}
-        cells = {"cells": {"titles": self.cells[1:]}}
-        return ReportData(self.inputs.renamed(names), self.modes, self.comparisons, cells)
-
     def shown(self, comparison: str | None) -> list[str]:
         """Return the comparisons a figure shows: the one asked for, or all that have a charge."""
         names = [comparison] if comparison else list(self.comparisons)

@@ -52,7 +52,7 @@ def test_both_stand_side_by_side(both: ReportData):
 
 
 def test_its_charges_read_as_the_firsts_and_nothing_else_does(both: ReportData):
-    second = both.second()
+    second = second_cell.second(both)
     assert set(second.inputs) == {"charge/peak/cc"}
     assert second.quantities("peak", "cc") == {"time_to_soc_0.95_s": 7200.0}
 

@@ -11,14 +11,12 @@ from pipeline.charge.vocabulary import SUMMARY
 from pipeline.config.compose import options
 from pipeline.config.sources import beyond
 from pipeline.experiments.charges.records import ChargesPart, check_modes, prepare, remarks_on_modes
-from pipeline.experiments.charges.tables import CHARGE
+from pipeline.experiments.charges.tables import CHARGE, SECOND
 from pipeline.kernel.draft import plain, untitled
 from pipeline.kernel.experiment import FOUND, Effort, Experiment, Label, Node, Step
 from pipeline.published.ensemble import ANSWERS, NAME, asked, estimates
 
 _TEMPERATURES = ("charge.ambient_c", "charge.initial_temperature_c")
-SECOND = "second_charge"
-"""Kind of the charges of the second battery."""
 
 
 def _charge_settings(config: Any, cell: str, comparison: str, mode: str, reference: str | None) -> dict[str, Any]:

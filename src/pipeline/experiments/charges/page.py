@@ -29,8 +29,9 @@ def tables(data: ReportData) -> list[ReportTable]:
 def traces(data: ReportData) -> list[Trace]:
     """Return the curves of every charge for the explorer, those of a second battery behind the first's."""
     found = [*_traces(data, "", "")]
-    if len(data.cells) > 1:
-        found += _traces(data.second(), "second/", f", {data.cells[1]}")
+    titles = second_cell.cells(data)
+    if len(titles) > 1:
+        found += _traces(second_cell.second(data), "second/", f", {titles[1]}")
     return found
 
 
@@ -56,7 +57,8 @@ def notes(data: ReportData) -> list[str]:
         for comparison, modes in data.settings.get("scaled", {}).items()
         for mode, told in modes.items()
     ]
-    second = [] if len(data.cells) < 2 else _missed(data.second(), f", {data.cells[1]}")
+    titles = second_cell.cells(data)
+    second = [] if len(titles) < 2 else _missed(second_cell.second(data), f", {titles[1]}")
     beyond = [f"{sentence(str(told))}." for told in data.settings.get("beyond", {}).get("said", [])]
     return [*beyond, *scaled, *_missed(data, ""), *second]
 
@@ -79,13 +81,14 @@ def sections(data: ReportData, figures: Sequence[PageFigure]) -> list[PageSectio
     ---------
     figures : those of this experiment that the paper does not have.
     """
-    if len(data.cells) < 2 or "verdicts" not in data.inputs:
+    titles = second_cell.cells(data)
+    if len(titles) < 2 or "verdicts" not in data.inputs:
         return []
     first, others = (data.table("verdicts", name) for name in ("verdicts", "second"))
     shown = [second_cell.side_by_side(data)]
     if second_cell.differing(first, others):
-        shown.insert(0, second_cell.statements(first, others, data.cells))
-    text = second_cell.summary(first, others, data.cells)
+        shown.insert(0, second_cell.statements(first, others, titles))
+    text = second_cell.summary(first, others, titles)
     return [PageSection("second-cell", "Second battery", text, shown, _of_both(figures))]
 
 

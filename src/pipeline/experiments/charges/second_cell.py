@@ -5,40 +5,53 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import Any
 
+from pipeline.experiments.charges.tables import SECOND
 from pipeline.report.tables import JOULES_PER_WATT_HOUR, Cell, Columns, ReportData, ReportTable
 
 Verdicts = Mapping[str, Any]
 MARK = 0.95
 
 
-def differing(first: Verdicts, second: Verdicts) -> list[tuple[dict[str, Any], dict[str, Any]]]:
+def cells(data: ReportData) -> tuple[str, ...]:
+    """Return the titles of the batteries, where the reader asks for them."""
+    return tuple(data.settings.get("cells", {}).get("titles", ()))
+
+
+def second(data: ReportData) -> ReportData:
+    """Return the charges of the second battery as if they were the first's, and nothing else."""
+    names = {f"charge/{name.partition('/')[2]}": name for name in data.inputs.of_kind(SECOND)}
+    settings = {"cells": {"titles": cells(data)[1:]}}
+    return ReportData(data.inputs.renamed(names), data.modes, data.comparisons, settings)
+
+
+def differing(first: Verdicts, other: Verdicts) -> list[tuple[dict[str, Any], dict[str, Any]]]:
     """Return the rows of both tables for the statements whose condition one battery meets and the other does not."""
     rows = {row["statement"]: row for row in _rows(first)}
-    pairs = [(rows[row["statement"]], row) for row in _rows(second)]
-    return [(one, other) for one, other in pairs if one["met"] != other["met"]]
+    pairs = [(rows[row["statement"]], row) for row in _rows(other)]
+    return [(one, another) for one, another in pairs if one["met"] != another["met"]]
 
 
-def summary(first: Verdicts, second: Verdicts, cells: Sequence[str]) -> str:
+def summary(first: Verdicts, other: Verdicts, titles: Sequence[str]) -> str:
     """Return in a sentence how many statements come out otherwise."""
-    asked, count = len(second["statement"]), len(differing(first, second))
+    asked, count = len(other["statement"]), len(differing(first, other))
     if not count:
-        same = f"come out the same with {cells[1]} as with {cells[0]}"
+        same = f"come out the same with {titles[1]} as with {titles[0]}"
         return f"All {asked} statements that charges alone answer {same}."
     verb = "comes" if count == 1 else "come"
     return (
-        f"Of the {asked} statements that charges alone answer, {count} {verb} out otherwise with {cells[1]} "
-        f"than with {cells[0]}."
+        f"Of the {asked} statements that charges alone answer, {count} {verb} out otherwise with {titles[1]} "
+        f"than with {titles[0]}."
     )
 
 
-def statements(first: Verdicts, second: Verdicts, cells: Sequence[str]) -> ReportTable:
+def statements(first: Verdicts, other: Verdicts, titles: Sequence[str]) -> ReportTable:
     """Return the statements that come out otherwise, with what each battery's charges came to."""
-    rows = [(one["says"], one["reading"], _told(one), _told(other)) for one, other in differing(first, second)]
+    rows = [(one["says"], one["reading"], _told(one), _told(found)) for one, found in differing(first, other)]
     return ReportTable(
         "second_differs",
         "Statements that come out otherwise",
         "The same conditions, tested on the charges of each battery with the same modes and supply.",
-        ("statement", "tested as", *cells),
+        ("statement", "tested as", *titles),
         tuple(rows),
     )
 
@@ -50,7 +63,7 @@ def side_by_side(data: ReportData) -> ReportTable:
     ---------
     data : charges of both batteries.
     """
-    both = (data, data.second())
+    both = (data, second(data))
     rows: list[tuple[Cell, ...]] = []
     for comparison in data.shown(None):
         for mode in data.charged(comparison):
@@ -62,7 +75,7 @@ def side_by_side(data: ReportData) -> ReportTable:
         "second_charges",
         "Both batteries, charge by charge",
         "Empty: not reached, or the battery has no such part.",
-        ("charge", "quantity", "unit", *data.cells),
+        ("charge", "quantity", "unit", *cells(data)),
         tuple(rows),
         grouped=True,
     )

@@ -75,6 +75,9 @@ CHARGE_ENERGY = Table(
         Column("description", "", "what the path is", "text"),
     ),
 )
+SECOND = "second_charge"
+"""Kind of the charges of the second battery."""
+
 CHARGE = {
     "trace": TableFile("trace.bdf.parquet", CHARGE_TRACE, time="Test Time / s"),
     "waveform": TableFile("waveform.parquet", CHARGE_WAVEFORM, time="time_s"),

@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from pipeline.experiments.charges.figures.over_time import QUANTITIES, key_of_band, line
+from pipeline.experiments.charges.second_cell import cells, second
 from pipeline.report import style
 from pipeline.report.records import FigureCard, NoOptions
 
@@ -35,7 +36,7 @@ def draw(figure: FigureCard, data: ReportData) -> Figure:
     marks = style.marks(list(data.modes))
     seen: set[str] = set()
     is_pulsed = False
-    for column, (title, cell) in enumerate(zip(data.cells, (data, data.second()), strict=True)):
+    for column, (title, cell) in enumerate(zip(cells(data), (data, second(data)), strict=True)):
         fields[0, column].set_title(title)
         compared = cell.shown(figure.comparison)[:1]
         charged = cell.charged(compared[0]) if compared else []
