@@ -50,7 +50,7 @@ bench-slow: setup-dev ## the same, and the hour that PyBaMM takes minutes for
 faults: setup-dev ## kills, full disks, read-only folders, by the thousand; a table of what ended right
 	$(BIN)/python -m tests.faults
 
-faults-short: setup-dev ## the same in about two minutes, for every change
+faults-short: setup-dev ## the same in about five minutes, for every change
 	$(BIN)/python -m tests.faults --short
 
 own-battery-proof: setup-dev ## fits of made measurements, 100 draws a battery: do 95 % intervals hold the truth? half an hour
