@@ -41,8 +41,8 @@ def command() -> None:
 
 
 def _command(name: str) -> Callable[[Sequence[str]], int]:
-    module = {"completion": "looking"}.get(name, name)
-    command: Callable[[Sequence[str]], int] = import_module(f"pipeline.commands.{module}").main
+    module, _, function = COMMANDS[name].partition(".")
+    command: Callable[[Sequence[str]], int] = getattr(import_module(f"pipeline.commands.{module}"), function)
     return command
 
 

@@ -9,7 +9,7 @@ from types import SimpleNamespace
 
 import pytest
 
-from pipeline.commands.terminal import quieten
+from pipeline.commands.terminal import QUIET, quieten
 
 NOTHING = {"verbose": False, "printshellcmds": False, "quiet": set(), "dryrun": False, "debug_dag": False}
 
@@ -49,3 +49,7 @@ def test_at_most_forty_lines_where_nobody_watches_and_the_last_job_among_them() 
 @pytest.mark.parametrize("asked", [{"verbose": True}, {"printshellcmds": True}, {"dryrun": True}, {"quiet": {"host"}}])
 def test_its_own_words_where_they_are_asked_for(asked: dict[str, object]) -> None:
     assert said(1, asked=asked)[:2] == ["Building DAG of jobs...", "Job stats: ..."]
+
+
+def test_quiet_leaves_warnings_and_errors_alone() -> None:
+    assert said(3, asked={"quiet": set(QUIET)}) == ["a warning", "Error in rule"]

@@ -27,7 +27,7 @@ ALLOWED = {
     **dict.fromkeys(PHYSICS, PHYSICS | FOUNDATION),
     **{name: SHARED | PHYSICS | FOUNDATION | {"kernel"} for name in SHARED},
     "experiments": SHARED | PHYSICS | FOUNDATION | {"kernel"},
-    "commands": SHARED | PHYSICS | FOUNDATION | {"kernel", "experiments"},
+    "commands": SHARED | PHYSICS | FOUNDATION | {"kernel", "experiments", "notebook"},
     "notebook": SHARED | PHYSICS | FOUNDATION | {"kernel", "experiments"},
     "__main__": {"commands", "errors", "kernel"},
 }

@@ -1,7 +1,10 @@
-"""The words that `python -m pipeline` understands, one module each."""
+"""The words that `python -m pipeline` understands."""
 
-COMMANDS = (
-    *("run", "compare", "reproduce", "report", "store", "validate", "steps", "modes", "schema", "new", "init"),
-    *("readme", "completion"),
-)
-"""The words; each is a module of `pipeline.commands` with `main(arguments) -> exit code`."""
+COMMANDS = {
+    **{name: f"{name}.main" for name in ("run", "compare", "reproduce", "report", "store", "validate", "steps")},
+    "compare-modes": "compare_modes.main",
+    **{name: f"listing.{name}" for name in ("modes",)},
+    **{name: f"{name}.main" for name in ("schema", "new", "init", "readme")},
+    "completion": "looking.main",
+}
+"""Word -> its function in a module here, `function(arguments) -> exit code`."""

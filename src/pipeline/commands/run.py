@@ -11,7 +11,9 @@ import sys
 from collections.abc import Mapping, Sequence
 from typing import Any
 
+from pipeline.commands import COMMANDS
 from pipeline.commands.progress import shown, through
+from pipeline.commands.terminal import QUIET
 from pipeline.commands.workflow import say, tell
 from pipeline.errors import UserError
 from pipeline.kernel import lock, planfile, publish, registry, store
@@ -19,6 +21,7 @@ from pipeline.kernel.places import place
 
 CFG = ("job", "hydra", "all")
 """What --cfg prints: the composed configuration, what is used of Hydra, or both."""
+_QUIET = ["--quiet", *QUIET]
 EXAMPLES = """\
 examples:
   python -m pipeline                                            the default study
@@ -59,7 +62,7 @@ def main(arguments: Sequence[str]) -> int:
     words = [options_.target, "--cores", str(options_.cores)]
     words += ["--forceall"] * options_.force
     words += ["--keep-going"] * options_.keep_going
-    words += ["--quiet"] * options_.quiet
+    words += _QUIET * options_.quiet
     words += ["--printshellcmds"] * options_.verbose
     words += ["--config", f"plan={file}", "tell=false", *["verify=true"] * options_.verify]
     if options_.dry_run:
@@ -76,7 +79,7 @@ def main(arguments: Sequence[str]) -> int:
 
 def _swept(plan: Mapping[str, Any], words: Sequence[str], descriptor: int | None) -> int:
     """Run the workflow of a sweep, showing how far it is."""
-    quiet = ["--quiet", "rules", "host", "reason", "progress"] if sys.stderr.isatty() else []
+    quiet = _QUIET if sys.stderr.isatty() else []
     verbose = "--printshellcmds" in words
     with shown(plan, store.RESULTS) as made:
         code = snakemake([*words, *([] if verbose else quiet)], descriptor, once=True)
@@ -193,8 +196,7 @@ def _parser(listing: bool) -> argparse.ArgumentParser:
         available = "\n".join(f"  {group:<12} {', '.join(options(group))}" for group in groups())
     parser = argparse.ArgumentParser(
         prog="python -m pipeline",
-        description="Battery charging studies. Other words: compare, reproduce, report, store, validate, steps, "
-        "modes, schema, new, init, readme, completion; each has --help.",
+        description=f"Battery charging studies. Other words: {', '.join(COMMANDS)}; each has --help.",
         epilog=f"{EXAMPLES}\nconfiguration groups (group=option):\n{available}",
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )

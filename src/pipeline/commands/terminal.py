@@ -2,27 +2,39 @@
 
 from __future__ import annotations
 
+import io
 import logging
+import shutil
+import sys
+from collections.abc import Iterator, Sequence
 from typing import Any
 
 _MOST_LINES = 40
 """Lines of progress where nobody watches them come, as in a file or a pipe."""
 _STREAM = "DefaultStreamHandler"
 _KEPT = ("Nothing to be done", "Elapsed time")
+QUIET = ("rules", "host", "reason", "progress")
+"""What Snakemake's --quiet takes for `python -m pipeline -q`: warnings and errors are left."""
 
 
 def quieten(logger: logging.Logger, settings: Any) -> None:
     """Let Snakemake's stream show a line a job; its log file keeps all it says.
 
     Nothing changes where its words were asked for (--verbose, -p), chosen (--quiet, a logger of one's own), or are the
-    answer (--dry-run).
+    answer (--dry-run); all that QUIET names leaves warnings and errors.
 
     Arguments
     ---------
     logger : Snakemake's.
     settings : its output settings, `workflow.output_settings`.
     """
-    if settings.verbose or settings.printshellcmds or settings.quiet or settings.dryrun or settings.debug_dag:
+    quiet = {str(word) for word in settings.quiet or ()}
+    if set(QUIET) <= quiet:
+        for handler in logger.handlers:
+            if handler.name == _STREAM:
+                handler.addFilter(_is_warning)
+        return
+    if settings.verbose or settings.printshellcmds or quiet or settings.dryrun or settings.debug_dag:
         return
     for handler in logger.handlers:
         if handler.name == _STREAM and handler.formatter is not None:
@@ -31,6 +43,10 @@ def quieten(logger: logging.Logger, settings: Any) -> None:
             lines = ProgressLines(handler.formatter, watched)
             handler.addFilter(lines.shown)
             handler.setFormatter(lines)
+
+
+def _is_warning(record: logging.LogRecord) -> bool:
+    return record.levelno >= logging.WARNING or str(getattr(record, "event", None) or "") == "job_error"
 
 
 class ProgressLines(logging.Formatter):
@@ -76,3 +92,48 @@ class ProgressLines(logging.Formatter):
 
 def _counts(record: logging.LogRecord) -> tuple[int, int]:
     return int(getattr(record, "done", 0)), max(1, int(getattr(record, "total", 1)))
+
+
+def is_watched() -> bool:
+    """Tell whether a person sees what is printed as it comes, and not a file or another program."""
+    return sys.stdout.isatty()
+
+
+def table_lines(rows: Sequence[Sequence[str]], folds: bool = False) -> Iterator[str]:
+    """Yield the lines of a table: with rules and as wide as the terminal, or where nobody watches, a line a row.
+
+    Arguments
+    ---------
+    rows : the cells, the header first; all but the first column stand to the right where they are numbers.
+    folds : whether the last column holds sentences, which a terminal folds.
+    """
+    head, body = rows[0], rows[1:]
+    right = [place > 0 and _is_numeric([row[place] for row in body]) for place in range(len(head))]
+    if not is_watched():
+        widths = [max(len(row[place]) for row in rows) for place in range(len(head))]
+        for row in rows:
+            cells = zip(row, widths, right, strict=True)
+            yield "  ".join(
+                cell.rjust(width) if to_right else cell.ljust(width) for cell, width, to_right in cells
+            ).rstrip()
+        return
+    from rich import box
+    from rich.console import Console
+    from rich.table import Table
+    from rich.text import Text
+
+    table = Table(box=box.SIMPLE_HEAD, pad_edge=False)
+    for place, name in enumerate(head):
+        last = folds and place == len(head) - 1
+        table.add_column(Text(name), justify="right" if right[place] else "left", ratio=1 if last else None)
+    for row in body:
+        table.add_row(*map(Text, row))
+    console = Console(width=shutil.get_terminal_size().columns, record=True, file=io.StringIO())
+    console.print(table)
+    yield from (line.rstrip() for line in console.export_text(styles=True).rstrip().splitlines())
+
+
+def _is_numeric(cells: Sequence[str]) -> bool:
+    """Tell whether a column holds numbers, ranges of them and dashes alone, one number at least."""
+    marks = set("0123456789.,+-\N{MINUS SIGN}\N{EN DASH} to")
+    return any(cell[:1].isdigit() for cell in cells) and all(set(cell) <= marks for cell in cells)

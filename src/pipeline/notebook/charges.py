@@ -18,12 +18,13 @@ from pipeline.errors import UserError, best_matches
 from pipeline.jit import cache_folder
 from pipeline.kernel.draft import references
 from pipeline.notebook import named
-from pipeline.notebook.outcome import NotebookCharge
+from pipeline.notebook.named import Fed
+from pipeline.notebook.outcome import NotebookCharge, Summary
 
 if TYPE_CHECKING:
     import pandas as pd
 
-    from pipeline.charge.simulate import Task
+    from pipeline.charge.task import Supply, Task
 
 SETTINGS = {"initial_soc": 0.2, "ambient_c": 25.0, "soc_marks": [0.5, 0.8, 0.9, 0.95, 0.99]}
 """Conditions of a charge that are not given."""
@@ -33,7 +34,12 @@ _OTHER_FORM = {"_a": "_c_rate", "_c_rate": "_a"}
 
 
 def charge(
-    battery: str | Battery, mode: str | Mode, *, supply_power_w: float = math.inf, **choices: Any
+    battery: str | Battery,
+    mode: str | Mode,
+    *,
+    supply_power_w: float = math.inf,
+    panel: str | Fed | None = None,
+    **choices: Any,
 ) -> NotebookCharge:
     """Charge a battery.
 
@@ -42,6 +48,8 @@ def charge(
     battery : name of a file of `conf/battery`, or a record.
     mode : name of a file of `conf/modes`, or a record.
     supply_power_w : power that the supply gives at the battery's terminals at most [W].
+    panel : name of a file of `conf/panel` or of a panel of pvlib's databases, whose supply it is instead; without load,
+        at constant 1000 W/m2 and 25 degC.
     choices : knobs of the mode, as `frequency_hz` or `max_current_a`, also with the current as a C-rate; and the
         conditions: `initial_soc` [1], `ambient_c` [degC], `sample_interval_s` [s], `soc_marks`, `windows`.
 
@@ -61,19 +69,24 @@ def charge(
     >>> round(float(found.trace["soc"].iloc[-1]), 2)
     0.99
     """
-    one = task(battery, mode, supply_power_w, choices)
+    one = task(battery, mode, _source(supply_power_w, panel), choices)
     simulate, _ = _engine()
     return NotebookCharge(one, simulate(*one))
 
 
 def compare(
-    battery: str | Battery, modes: Sequence[str | Mode], *, supply_power_w: float = math.inf, **choices: Any
+    battery: str | Battery,
+    modes: Sequence[str | Mode],
+    *,
+    supply_power_w: float = math.inf,
+    panel: str | Fed | None = None,
+    **choices: Any,
 ) -> pd.DataFrame:
     """Charge a battery in several modes.
 
     Arguments
     ---------
-    battery, supply_power_w, choices : as of `charge`; a knob is that of the modes that have it.
+    battery, supply_power_w, panel, choices : as of `charge`; a knob is that of the modes that have it.
     modes : names of files of `conf/modes`, or records.
 
     Returns
@@ -91,14 +104,30 @@ def compare(
     >>> table.attrs["units"]["peak_temperature_c"]
     'degC'
     """
+    found = side_by_side(battery, modes, supply_power_w=supply_power_w, panel=panel, **choices)
+    return _table([{"mode": _name(mode)} for mode in modes], [one.summary for one in found]).set_index("mode")
+
+
+def side_by_side(
+    battery: str | Battery,
+    modes: Sequence[str | Mode],
+    *,
+    supply_power_w: float = math.inf,
+    panel: str | Fed | None = None,
+    **choices: Any,
+) -> list[NotebookCharge]:
+    """Do as `compare`, and return the charges themselves; a choice `MODE.KNOB` is that of one mode alone."""
     if isinstance(modes, str | Mode) or not modes:
         raise UserError(f"modes: value {modes!r}; allowed is a list of names or records")
     own = [_own_choices(mode, battery, choices) for mode in modes]
-    unused = sorted(set(choices) - {name for one in own for name in one})
+    prefixes = tuple(f"{_name(mode)}." for mode in modes)
+    unused = sorted(name for name in choices if not name.startswith(prefixes) and not any(name in one for one in own))
     if unused:
         raise _unknown(unused[0], set().union(*(_known(_knobs(mode, battery)) for mode in modes)))
-    tasks = [task(battery, mode, supply_power_w, one) for mode, one in zip(modes, own, strict=True)]
-    return _table([{"mode": _name(mode)} for mode in modes], tasks).set_index("mode")
+    source = _source(supply_power_w, panel)
+    tasks = [task(battery, mode, source, one) for mode, one in zip(modes, own, strict=True)]
+    _, simulate_many = _engine()
+    return [NotebookCharge(*both) for both in zip(tasks, simulate_many(tasks), strict=True)]
 
 
 def sweep(
@@ -106,14 +135,15 @@ def sweep(
     mode: str | Mode | Sequence[str | Mode],
     *,
     supply_power_w: float | Sequence[float] = math.inf,
+    panel: str | Fed | Sequence[str | Fed] | None = None,
     **choices: Any,
 ) -> pd.DataFrame:
     """Charge with every combination of some values; what is given as a list is swept.
 
     Arguments
     ---------
-    battery, mode, supply_power_w, choices : as of `charge`, each alone or as a list. `soc_marks` and `windows` are
-        lists by themselves, and are not swept.
+    battery, mode, supply_power_w, panel, choices : as of `charge`, each alone or as a list. `soc_marks` and `windows`
+        are lists by themselves, and are not swept.
 
     Returns
     -------
@@ -130,7 +160,7 @@ def sweep(
     >>> table["max_current_c_rate"].to_list(), bool(table["end_time_s"].is_monotonic_decreasing)
     ([0.1, 0.2, 0.3], True)
     """
-    given = {"battery": battery, "mode": mode, "supply_power_w": supply_power_w, **choices}
+    given = {"battery": battery, "mode": mode, "supply_power_w": supply_power_w, "panel": panel, **choices}
     swept = {name: list(value) for name, value in given.items() if _is_swept(name, value)}
     empty = next((name for name, values in swept.items() if not values), None)
     if empty is not None:
@@ -139,14 +169,16 @@ def sweep(
     for values in product(*swept.values()):
         row = dict(zip(swept, values, strict=True))
         one = {**given, **row}
-        tasks.append(task(one.pop("battery"), one.pop("mode"), one.pop("supply_power_w"), one))
+        source = _source(one.pop("supply_power_w"), one.pop("panel"))
+        tasks.append(task(one.pop("battery"), one.pop("mode"), source, one))
         rows.append({name: _name(value) for name, value in row.items()})
-    return _table(rows, tasks)
+    _, simulate_many = _engine()
+    return _table(rows, [Summary(done.summary) for done in simulate_many(tasks)])
 
 
-def task(battery: str | Battery, mode: str | Mode, supply_power_w: float, choices: Mapping[str, Any]) -> Task:
+def task(battery: str | Battery, mode: str | Mode, source: Supply, choices: Mapping[str, Any]) -> Task:
     """Return the arguments of the engine for what a person asked for; names, errors as of `charge`."""
-    from pipeline.charge.simulate import BENCH, Supply, Task
+    from pipeline.charge.task import Task
 
     cell = named.battery(battery) if isinstance(battery, str) else battery
     knobs = {name: value for name, value in choices.items() if name not in ChargeSettings.model_fields}
@@ -157,10 +189,19 @@ def task(battery: str | Battery, mode: str | Mode, supply_power_w: float, choice
     if set(references(written)):
         name = _name(mode)
         way = named.validated(Mode, named.with_found(name, written), f"modes.{name}", f"modes.{name}")
+    return Task(cell, way, source, settings, _ENGINE)
+
+
+def _source(supply_power_w: float, panel: str | Fed | None) -> Supply:
+    from pipeline.charge.task import BENCH, Supply
+
     if not supply_power_w > 0:
         raise UserError(f"supply_power_w: value {supply_power_w!r}; allowed is a power above 0 W")
-    supply = BENCH if supply_power_w == math.inf else Supply(np.zeros(1), np.array([float(supply_power_w)]))
-    return Task(cell, way, supply, settings, _ENGINE)
+    if panel is None:
+        return BENCH if supply_power_w == math.inf else Supply(np.zeros(1), np.array([float(supply_power_w)]))
+    if supply_power_w != math.inf:
+        raise UserError(f"supply_power_w: value {supply_power_w!r}; with a panel it is the panel that says it")
+    return (named.fed(panel) if isinstance(panel, str) else panel).supply
 
 
 def _mode(mode: str | Mode, battery: str | Battery, knobs: Mapping[str, Any]) -> tuple[Mode, dict[str, Any]]:
@@ -194,8 +235,9 @@ def _check(name: str, cell: Battery, mode: Mode, settings: ChargeSettings, knobs
 
 
 def _own_choices(mode: str | Mode, battery: str | Battery, choices: Mapping[str, Any]) -> dict[str, Any]:
-    known = _known(_knobs(mode, battery))
-    return {name: value for name, value in choices.items() if name in known}
+    known, own = _known(_knobs(mode, battery)), f"{_name(mode)}."
+    alone = {name.removeprefix(own): value for name, value in choices.items() if name.startswith(own)}
+    return {name: value for name, value in choices.items() if name in known} | alone
 
 
 def _knobs(mode: str | Mode, battery: str | Battery) -> set[str]:
@@ -239,15 +281,12 @@ def _name(value: Any) -> Any:
     return value.name if isinstance(value, Battery) else value.title if isinstance(value, Mode) else value
 
 
-def _table(rows: Sequence[Mapping[str, Any]], tasks: Sequence[Task]) -> pd.DataFrame:
+def _table(rows: Sequence[Mapping[str, Any]], summaries: Sequence[Summary]) -> pd.DataFrame:
     """Return what came of charges, a row each, behind what tells the rows apart."""
     import pandas as pd
 
-    _, simulate_many = _engine()
-    charges = simulate_many(tasks)
-    found = [{one.quantity: one.value if one.text is None else one.text for one in done.summary} for done in charges]
-    table = pd.DataFrame([{**row, **numbers} for row, numbers in zip(rows, found, strict=True)])
-    table.attrs["units"] = {one.quantity: one.unit for done in charges for one in done.summary}
+    table = pd.DataFrame([{**row, **found} for row, found in zip(rows, summaries, strict=True)])
+    table.attrs["units"] = {name: unit for found in summaries for name, unit in found.units.items()}
     return table
 
 

@@ -26,7 +26,7 @@ FILES: dict[DatabaseName, str] = {
     "sandia": "sam-library-sandia-modules-2015-6-30.csv",
 }
 TITLES: dict[DatabaseName, str] = {"cec": "CEC module database", "sandia": "Sandia module database"}
-_PLAIN = str.maketrans(' -.()[]:+/",', "_" * 12)
+PLAIN = str.maketrans(' -.()[]:+/",', "_" * 12)
 _HEADINGS = 3
 _CEC = (
     *("I_mp_ref", "V_mp_ref", "V_oc_ref", "I_sc_ref", "alpha_sc", "beta_oc", "gamma_r", "N_s"),
@@ -60,7 +60,7 @@ def look_up(entry: PanelEntry) -> dict[str, Any]:
     UserError : no such name; the closest ones are named.
     """
     rows = _rows(entry.database)
-    found = rows.get(entry.name) or rows.get(entry.name.translate(_PLAIN))
+    found = rows.get(entry.name) or rows.get(entry.name.translate(PLAIN))
     if found is None:
         raise UserError(
             f"no panel {entry.name!r} among the {len(rows)} of the {TITLES[entry.database]}; {_near(entry, rows)}"
@@ -120,7 +120,7 @@ def _of_sandia(row: Mapping[str, str]) -> dict[str, Any]:
 
 def _near(entry: PanelEntry, rows: Mapping[str, Any]) -> str:
     known = {name.lower(): name for name in rows}
-    asked = entry.name.translate(_PLAIN).lower()
+    asked = entry.name.translate(PLAIN).lower()
     near = [name for name in known if asked in name][:5]
     near = near or difflib.get_close_matches(asked, known, n=5, cutoff=0.5)
     if near:
@@ -137,7 +137,7 @@ def _rows(database: DatabaseName) -> dict[str, dict[str, str]]:
     path = Path(found.submodule_search_locations[0]) / "data" / FILES[database]
     with path.open(encoding="utf-8", newline="") as file:
         lines = list(csv.reader(file))
-    return {line[0].translate(_PLAIN): dict(zip(lines[0], line, strict=True)) for line in lines[_HEADINGS:]}
+    return {line[0].translate(PLAIN): dict(zip(lines[0], line, strict=True)) for line in lines[_HEADINGS:]}
 
 
 LEFT_OUT = ("alpha_isc_a_per_k", "beta_voc_v_per_k", "gamma_pmp_percent_per_k", "cells_in_series")

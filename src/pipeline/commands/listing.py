@@ -22,7 +22,7 @@ max_current_c_rate stands for max_current_a, voltage_v_cell for voltage_v, power
 """
 
 
-def main(arguments: Sequence[str]) -> int:
+def modes(arguments: Sequence[str]) -> int:
     """Print waveforms, limits and ends with their parameters; return 0."""
     argparse.ArgumentParser(prog="python -m pipeline modes", description=__doc__).parse_args(arguments)
     print(HEAD)
