@@ -1,15 +1,26 @@
-"""The words that explain: steps, modes, schema, new."""
+"""The words that explain and list: steps, modes, batteries, panels, schema, new."""
 
 from __future__ import annotations
 
+import argparse
 import json
+import math
+import re
 from pathlib import Path
 
 import pytest
+from pvlib.pvsystem import retrieve_sam
 
+import pipeline as cp
 from pipeline.__main__ import main
+from pipeline.cell.records import value_of
 from pipeline.charge.waveforms import WAVEFORMS
+from pipeline.commands import listing, terminal
+from pipeline.commands.listing import between
 from pipeline.commands.new import write
+from pipeline.commands.terminal import table_lines
+from pipeline.config.compose import options
+from pipeline.config.sources import Source
 from pipeline.errors import UserError
 from pipeline.kernel import registry
 
@@ -50,3 +61,107 @@ def test_a_name_that_is_taken_or_none_is_refused(name: str, tmp_path: Path) -> N
     with pytest.raises(UserError, match="new experiment"):
         list(write(name, tmp_path))
     assert not list(tmp_path.iterdir())
+
+
+def _rows(told: str) -> list[list[str]]:
+    """Return the cells of a table as it is piped: columns stand two spaces apart, or more."""
+    return [re.split(r"\s{2,}", line.strip()) for line in told.splitlines()]
+
+
+def test_panels_are_those_whose_numbers_lie_in_the_ranges(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["panels", "--power", "90..110", "--cells", "36", "--all"]) == 0
+    head, *rows, count = _rows(capsys.readouterr().out)
+    assert head == [
+        *("name", "Pmp [W]", "Vmp [V]", "Imp [A]", "Voc [V]", "Isc [A]", "cells", "technology", "from"),
+    ]  # fmt: skip
+    found = {row[0] for row in rows}
+    for pvlibs, own in (
+        ("CECMod", ("V_mp_ref", "I_mp_ref", "N_s")),
+        ("SandiaMod", ("Vmpo", "Impo", "Cells_in_Series")),
+    ):
+        modules = retrieve_sam(pvlibs)
+        volt, ampere, cells = (modules.loc[name].astype(float) for name in own)
+        power = volt * ampere
+        theirs = set(modules.columns[(power >= 90.0) & (power <= 110.0) & (cells == 36)])
+        assert theirs <= found
+        found -= theirs
+    assert not found
+    assert count == [f"{len(rows)} panels"]
+    assert [float(row[1]) for row in rows] == sorted(float(row[1]) for row in rows)
+
+
+def test_panels_have_words_and_technologies_and_own_files_are_among_them(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["panels", "CS5P", "canadian", "--technology", "multi"]) == 0
+    _, *rows, _ = _rows(capsys.readouterr().out)
+    assert rows
+    assert all("CS5P" in row[0] and row[7] == "Multi-c-Si" for row in rows)
+    assert main(["panels", "kc65t", "--open-circuit", "21.7"]) == 0
+    assert "kc65t " in capsys.readouterr().out
+    assert main(["panels", "--power", "1e6.."]) == 0
+    assert "no panel" in capsys.readouterr().out
+    assert main(["panels", "kyocerra", "kc130"]) == 0
+    assert "Kyocera_Solar_KC130GT" in capsys.readouterr().out
+
+
+@pytest.mark.parametrize(
+    ("words", "low", "high"),
+    [("90..110", 90, 110), ("90..", 90, math.inf), ("..110", -math.inf, 110), ("36", 36, 36), ("-1.5..1e3", -1.5, 1e3)],
+)
+def test_a_range_is_read(words: str, low: float, high: float) -> None:
+    assert between(words) == (low, high)
+
+
+@pytest.mark.parametrize("words", ["", "..", "x", "1..2..3", "110..90", "nan", "90-110"])
+def test_what_is_no_range_is_refused(words: str, capsys: pytest.CaptureFixture[str]) -> None:
+    with pytest.raises(argparse.ArgumentTypeError):
+        between(words)
+    with pytest.raises(SystemExit) as ended:
+        main(["panels", f"--power={words}"])
+    assert ended.value.code == 2
+    assert capsys.readouterr().err.count("error: ") == 1
+
+
+@pytest.mark.parametrize("word", ["panels", "batteries"])
+def test_an_override_is_no_word_of_a_name(word: str, capsys: pytest.CaptureFixture[str]) -> None:
+    assert main([word, "battery.capacity_ah=7"]) == 2
+    assert "override battery.capacity_ah=7: words of a name" in capsys.readouterr().err
+
+
+def test_every_battery_is_listed_with_the_numbers_of_its_record(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["batteries"]) == 0
+    head, *rows = _rows(capsys.readouterr().out)
+    assert [row[0] for row in rows] == options("battery")
+    for row in (row for row in rows if row[0] in ("lead_acid_12v18ah", "lead_acid_generic")):
+        cells, one = dict(zip(head, row, strict=False)), cp.battery(row[0])
+        assert one.title.startswith(cells["chemistry"])
+        assert float(cells["capacity [Ah]"]) == pytest.approx(one.capacity_in_use_ah, rel=1e-3)
+        assert int(cells["cells"]) == one.cells
+        assert cells["usual [C-rate]"] == "{:g} to {:g}".format(*one.usual_c_rate)
+        volts = one.cells_in_series * value_of(one.open_circuit_voltage_v, 0.5)
+        assert float(cells["voltage [V]"]) == pytest.approx(volts, rel=1e-3)
+    assert main(["batteries", "nothing like it"]) == 0
+
+
+def test_a_battery_says_where_its_values_come_from_and_how_far_they_go() -> None:
+    one = cp.battery("nmc_5ah")
+    sources = {
+        "battery.a": Source(kind="fitted", file="log.csv", valid={"soc": (0.2, 1.0), "c_rate": (0.1, 0.5)}),
+        "battery.b": Source(kind="data_sheet", ref="sheet"),
+        "battery.c": Source(kind="data_sheet", ref="sheet"),
+    }
+    row = listing._battery_row("nmc_5ah", one, sources)
+    assert row[-2:] == ("2 data sheet, 1 fitted", "SOC 0.2 to 1, 0.1C to 0.5C (log.csv)")
+
+
+@pytest.mark.parametrize("width", [60, 80, 120, 200])
+def test_a_table_fits_the_terminal_and_cuts_no_name(width: int, monkeypatch: pytest.MonkeyPatch) -> None:
+    rows = [("name", "power [W]", "words", "more"), ("a" * 30, "90.07", "some words that fold", "b" * 40)]
+    piped = list(table_lines(rows))
+    assert piped[1].split() == ["a" * 30, "90.07", "some", "words", "that", "fold", "b" * 40]
+    monkeypatch.setattr(terminal, "is_watched", lambda: True)
+    monkeypatch.setenv("COLUMNS", str(width))
+    shown = [re.sub(r"\x1b\[[0-9;]*m", "", line) for line in table_lines(rows)]
+    table = [line for line in shown if not line.startswith("a wider terminal")]
+    assert max(map(len, table)) <= width
+    assert any("a" * 30 in line and "90.07" in line for line in table)
+    assert len(table) < len(shown) or any("b" * 10 in line for line in table)

@@ -99,7 +99,6 @@ def checked(words: Sequence[str]) -> Outcome:
 
 INSIDE: Mapping[str, Callable[[Sequence[str]], Outcome]] = {"make_plan": planned, "Snakefile": workflow}
 """Doors in this process, by name; each takes the words of a command line."""
-_PLAIN = {"run", "report", "compare", "store", "validate", "steps", "modes", "schema", "new"}
 REAL: Mapping[str, Callable[[Sequence[str]], list[str]]] = {
     "python -m pipeline run -n": lambda words: ["pipeline", "run", "-n", *words],
     "python -m pipeline --cfg": lambda words: ["pipeline", "--cfg", *words],
@@ -113,6 +112,10 @@ REAL: Mapping[str, Callable[[Sequence[str]], list[str]]] = {
         for name in COMMANDS
         if name != "run"
     },
+    "python -m pipeline compare-modes": lambda words: [
+        *("pipeline", "compare-modes", "--battery", "lead_acid_12v7ah", "--panel", "kc65t", "--modes", "cc_cv"),
+        *words,
+    ],
 }
 """Real commands, by name: words -> arguments of `python -m`. A new word of the program is one of them by itself."""
 

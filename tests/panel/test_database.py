@@ -8,7 +8,7 @@ from pvlib.pvsystem import retrieve_sam
 
 from pipeline.errors import UserError
 from pipeline.panel.curves import agreement
-from pipeline.panel.database import PanelEntry, look_up, names, reference
+from pipeline.panel.database import PanelEntry, by_words, look_up, names, reference
 from pipeline.panel.records import Panel
 from pipeline.panel.single_diode import fit
 
@@ -55,6 +55,11 @@ def test_a_name_may_be_written_as_it_is_printed():
         ("cec", "kc130", ("Kyocera_Solar_KC130GT", "Kyocera_Solar_KC130TM")),
         ("cec", "?", ("none is close", "A10Green_Technology_A10J_S72_175")),
         ("sandia", "Kyocera_KC65", ("Sandia", "Kyocera_Solar_KC65T__2008__E__")),
+        ("cec", "Canadian_Solar_CS5P", ("Canadian_Solar_Inc__CS5P_195M", "CS5P_200M", "panels canadian solar cs5p")),
+        ("cec", "Kyocerra KC-130", ("Kyocera_Solar_KC130GT", "Kyocera_Solar_KC130TM")),
+        ("cec", "SunPower_SPR_E20_327_X", ("SunPower_SPR_E20_327,", "panels sunpower spr e20 327")),
+        ("cec", "Canadian_Solar_CS5P_220M___2009_", ("it stands in the Sandia", "panel.database=sandia")),
+        ("cec", "KC65T", ("none is close", "panel.database=sandia", "Kyocera_Solar_KC65T__2008__E__")),
     ],
 )
 def test_an_unknown_name_lists_the_closest(database, name, words):
@@ -73,3 +78,17 @@ def test_the_fit_shows_its_error(kc65t, diode):
     assert model[7] == pytest.approx(sheet[7], rel=1e-4)
     adjusted = (model[6] / sheet[6] - 1.0, 1.0 - model[5] / sheet[5])
     assert adjusted == pytest.approx((diode.adjust_percent / 100.0,) * 2, rel=2e-2)
+
+
+@pytest.mark.parametrize("series", ["CS5P", "KD210GX", "SPR_E20", "TSM_250PA05"])
+def test_a_series_is_offered_by_its_words_whoever_makes_it(series):
+    known = [name for name in names("cec") if series in name]
+    maker = known[0].split(series)[0].strip("_").split("_")[0]
+    assert set(by_words(f"{maker} {series.lower()}", names("cec"))[: len(known)]) == set(known)
+
+
+def test_what_is_offered_is_found_by_the_words_that_are_named():
+    with pytest.raises(UserError) as refused:
+        look_up(PanelEntry(database="cec", name="SunPower_SPR_E20_327_X"))
+    words = str(refused.value).split("python -m pipeline panels ")[1].split()
+    assert sum(all(word in name.lower() for word in words) for name in names("cec")) > 6

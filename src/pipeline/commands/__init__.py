@@ -3,7 +3,7 @@
 COMMANDS = {
     **{name: f"{name}.main" for name in ("run", "compare", "reproduce", "report", "store", "validate", "steps")},
     "compare-modes": "compare_modes.main",
-    **{name: f"listing.{name}" for name in ("modes",)},
+    **{name: f"listing.{name}" for name in ("batteries", "modes", "panels")},
     **{name: f"{name}.main" for name in ("schema", "new", "init", "readme")},
     "completion": "looking.main",
 }

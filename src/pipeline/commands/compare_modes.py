@@ -95,8 +95,9 @@ def main(arguments: Sequence[str]) -> int:
     compared = Compared(_charged(given.battery, modes, fed, choices), given.battery, tuple(modes), fed, choices)
     identity = [given.battery, *([given.panel] if given.panel else []), "+".join(modes), *sorted(given.values)]
     page = write(compared, Path(store.REPORTS) / ROOM / joined(identity, identity), arguments)
-    for line in (*compared.answer(), "", *table_lines(_shown(compared.table())), "", *compared.notes()):
-        print(text.prose(line) if line else line)
+    table = table_lines(_shown(compared.table()))
+    for line in (*map(text.prose, compared.answer()), "", *table, "", *map(text.prose, compared.notes())):
+        print(line)
     print(f"the page: {page}")
     return 0
 
@@ -358,7 +359,10 @@ def _thinned(one: NotebookCharge) -> dict[str, Any]:
 
 def _shown(table: ReportTable) -> list[tuple[str, ...]]:
     """Return the cells of a table as texts, its header first."""
-    return [table.header, *(tuple(text.number(cell) for cell in row) for row in table.rows)]
+    return [
+        table.header,
+        *((str(name), text.unit(str(unit)), *map(text.number, cells)) for name, unit, *cells in table.rows),
+    ]
 
 
 def _words(name: str) -> str:

@@ -99,36 +99,51 @@ def is_watched() -> bool:
     return sys.stdout.isatty()
 
 
-def table_lines(rows: Sequence[Sequence[str]], folds: bool = False) -> Iterator[str]:
-    """Yield the lines of a table: with rules and as wide as the terminal, or where nobody watches, a line a row.
+def table_lines(rows: Sequence[Sequence[str]]) -> Iterator[str]:
+    """Yield the lines of a table: as wide as the terminal, or where nobody watches, a line a row.
+
+    A terminal folds words, never names and numbers; columns that it has no room for are left out, and named.
 
     Arguments
     ---------
-    rows : the cells, the header first; all but the first column stand to the right where they are numbers.
-    folds : whether the last column holds sentences, which a terminal folds.
+    rows : the cells, the header first; a column that is empty is left out.
     """
-    head, body = rows[0], rows[1:]
-    right = [place > 0 and _is_numeric([row[place] for row in body]) for place in range(len(head))]
+    filled = [place for place in range(len(rows[0])) if place == 0 or any(row[place] for row in rows[1:])]
+    rows = [[row[place] for place in filled] for row in rows]
+    body = rows[1:]
+    widths = [max(len(row[place]) for row in rows) for place in range(len(rows[0]))]
+    right = [place > 0 and _is_numeric([row[place] for row in body]) for place in range(len(rows[0]))]
     if not is_watched():
-        widths = [max(len(row[place]) for row in rows) for place in range(len(head))]
         for row in rows:
             cells = zip(row, widths, right, strict=True)
-            yield "  ".join(
-                cell.rjust(width) if to_right else cell.ljust(width) for cell, width, to_right in cells
-            ).rstrip()
+            padded = [cell.rjust(width) if to_right else cell.ljust(width) for cell, width, to_right in cells]
+            yield "  ".join(padded).rstrip()
         return
+    room = shutil.get_terminal_size().columns
+    fixed = [place == 0 or is_right for place, is_right in enumerate(right)]
+    least = [width if kept else min(width, _FOLDED) for width, kept in zip(widths, fixed, strict=True)]
+    count = next((count for count in range(len(least), 1, -1) if sum(least[:count]) + 2 * count <= room), 1)
+    yield from _drawn([row[:count] for row in rows], right, fixed, room)
+    if count < len(least):
+        yield f"a wider terminal, or a pipe, shows more: {', '.join(rows[0][count:])}"
+
+
+_FOLDED = 14
+"""Letters that a column of words needs at least."""
+
+
+def _drawn(rows: Sequence[Sequence[str]], right: Sequence[bool], fixed: Sequence[bool], room: int) -> Iterator[str]:
     from rich import box
     from rich.console import Console
     from rich.table import Table
     from rich.text import Text
 
-    table = Table(box=box.SIMPLE_HEAD, pad_edge=False)
-    for place, name in enumerate(head):
-        last = folds and place == len(head) - 1
-        table.add_column(Text(name), justify="right" if right[place] else "left", ratio=1 if last else None)
-    for row in body:
+    table = Table(box=box.SIMPLE_HEAD, show_edge=False, pad_edge=False, padding=(0, 1), collapse_padding=True)
+    for place, name in enumerate(rows[0]):
+        table.add_column(Text(name), justify="right" if right[place] else "left", no_wrap=fixed[place])
+    for row in rows[1:]:
         table.add_row(*map(Text, row))
-    console = Console(width=shutil.get_terminal_size().columns, record=True, file=io.StringIO())
+    console = Console(width=room, record=True, file=io.StringIO())
     console.print(table)
     yield from (line.rstrip() for line in console.export_text(styles=True).rstrip().splitlines())
 

@@ -10,7 +10,9 @@ from __future__ import annotations
 import csv
 import difflib
 import importlib.util
-from collections.abc import Mapping
+import math
+import re
+from collections.abc import Collection, Iterable, Iterator, Mapping
 from functools import cache
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -118,14 +120,93 @@ def _of_sandia(row: Mapping[str, str]) -> dict[str, Any]:
     }
 
 
+_SHOWN = 6
+_LEAST_SHARE = 0.3
+"""Share of the weight of the words asked for that a name must have, to be offered."""
+
+
 def _near(entry: PanelEntry, rows: Mapping[str, Any]) -> str:
-    known = {name.lower(): name for name in rows}
-    asked = entry.name.translate(PLAIN).lower()
-    near = [name for name in known if asked in name][:5]
-    near = near or difflib.get_close_matches(asked, known, n=5, cutoff=0.5)
-    if near:
-        return "best matches are: " + ", ".join(known[name] for name in near)
-    return f"none is close; names there look like {next(iter(rows))}"
+    near = by_words(entry.name, rows)
+    other: DatabaseName = "sandia" if entry.database == "cec" else "cec"
+    there = ""
+    if entry.name.translate(PLAIN) in _rows(other):
+        there = f"; it stands in the {TITLES[other]}: panel.database={other}"
+    elif not near:
+        others = by_words(entry.name, _rows(other))[:_SHOWN]
+        there = f"; near in the {TITLES[other]} (panel.database={other}): {', '.join(others)}" if others else ""
+    if not near:
+        return f"none is close{there}; names there look like {next(iter(rows))}"
+    # Words that none of them has would find nothing.
+    asked = " ".join(word for word in _words(entry.name) if all(word in name.lower() for name in near[:_SHOWN]))
+    more = f" and {len(near) - _SHOWN} more: python -m pipeline panels {asked}" if len(near) > _SHOWN else ""
+    return f"best matches are: {', '.join(near[:_SHOWN])}{more}{there}"
+
+
+def by_words(asked: str, names: Iterable[str]) -> list[str]:
+    """Return the names that have most of some words in them, as far as they have as much of it as the best.
+
+    A word counts the more the fewer names have it; one that no name has counts as the one that is spelt most like it.
+
+    Arguments
+    ---------
+    asked : words, divided by anything that is neither letter nor digit; capitals or not.
+    names : those to choose from.
+    """
+    known = {name: set(_words(name)) for name in names}
+    joined = {name: "_".join(_words(name)) for name in known}
+    scores = dict.fromkeys(known, 0.0)
+    whole = 0.0
+    for word in dict.fromkeys(_words(asked)):
+        weight, meant = 1.0, word
+        found = [name for name, text in joined.items() if word in text]
+        if not found:
+            vocabulary = set().union(*known.values())
+            close = difflib.get_close_matches(word, vocabulary, n=1, cutoff=0.75)
+            weight, meant = (0.6, close[0]) if close else (0.0, word)
+            found = [name for name, text in joined.items() if close and meant in text]
+        rarity = math.log((1.0 + len(known)) / (1.0 + len(found)))
+        whole += rarity
+        for name in found:
+            begins = any(part.startswith(meant) for part in known[name])
+            share = 1.0 if meant in known[name] else 0.9 if begins else 0.7 if len(meant) > 2 else 0.0
+            scores[name] += weight * share * rarity
+    best = max(scores.values(), default=0.0)
+    if best <= 0.0 or best < _LEAST_SHARE * whole:
+        return []
+    return [name for name in sorted(scores, key=lambda name: (-scores[name], name)) if scores[name] >= 0.8 * best]
+
+
+def _words(text: str) -> list[str]:
+    return re.findall(r"[a-z0-9]+", text.lower())
+
+
+class Listed(NamedTuple):
+    """A panel with its numbers at 1000 W/m2 and 25 degC."""
+
+    name: str
+    database: str
+    max_power_w: float
+    max_power_voltage_v: float
+    max_power_current_a: float
+    open_circuit_voltage_v: float
+    short_circuit_current_a: float
+    cells_in_series: int
+    technology: str
+
+    @classmethod
+    def of(cls, name: str, where: str, values: Mapping[str, Any], technology: str) -> Listed:
+        """Return a panel from the fields of its record."""
+        return cls._make([name, where, *(values[field] for field in cls._fields[2:-1]), " ".join(technology.split())])
+
+
+def listed(database: DatabaseName, words: Collection[str] = ()) -> Iterator[Listed]:
+    """Yield the panels of a database that have some words in their names, in small letters; all of them without."""
+    kind = "Technology" if database == "cec" else "Material"
+    for name, row in _rows(database).items():
+        if not all(word in name.lower() for word in words):
+            continue
+        values = _of_cec(row) if database == "cec" else _of_sandia(row)
+        yield Listed.of(name, database, values, row[kind])
 
 
 @cache
