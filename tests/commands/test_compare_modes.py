@@ -158,6 +158,8 @@ MISTAKES = {
     f"--battery {LEAD} --modes cc_cv initial_soc=0.2,0.3": ("override initial_soc=0.2,0.3", "sweep"),
     f"--battery {LEAD} --modes cc_cv max_current_aa=2": ("max_current_aa", "max_current_a"),
     f"--battery {LEAD} --modes cc_cv word": ("word",),
+    f"--battery {LEAD} --panel kc65t --modes cc_cv ~load": ("override ~load", "KEY=VALUE"),
+    f"--battery {LEAD} --panel kc65t --modes cc_cv panel.name=x": ("override panel.name=x", "--panel NAME"),
 }
 
 

@@ -118,6 +118,10 @@ def _sorted(values: Sequence[str]) -> tuple[dict[str, Any], list[str]]:
     words = []
     for word, parsed in zip(values, parse(values), strict=True):
         key = parsed.key_or_group
+        if key in ("panel", "panel.name", "panel.database"):
+            raise UserError(f"override {word}: --panel NAME says which panel")
+        if parsed.is_delete():
+            raise UserError(f"override {word}: nothing is taken out here; allowed is KEY=VALUE")
         if parsed.is_sweep_override():
             raise UserError(f"override {word}: several values make a sweep; give one of them")
         if key.split(".")[0] in _OF_SUPPLY:

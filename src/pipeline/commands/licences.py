@@ -1,0 +1,178 @@
+"""`python -m pipeline licences`: the licence of every package that a run needs, as their metadata say it."""
+
+from __future__ import annotations
+
+import argparse
+import re
+from collections.abc import Iterator, Mapping, Sequence
+from functools import cache
+from importlib import metadata
+from pathlib import Path
+from typing import NamedTuple
+
+from pipeline.commands.terminal import table_lines
+from pipeline.errors import UserError
+from pipeline.kernel.places import LOCK_FILE, PROJECT
+from pipeline.kernel.store import write_text
+
+DOCS = Path("docs") / "licences.md"
+BEGIN, END = "<!-- licences: begin -->", "<!-- licences: end -->"
+SERVES = {
+    "pymoo": "two baselines of the searches (genetic algorithm, particle swarm) and the front of the staging",
+}
+"""Package of our own choice -> what it is here for, told where it brings one under a copyleft."""
+BUILD = "the build of the package"
+_NAME = re.compile(r"^([A-Za-z0-9][A-Za-z0-9._-]*)==", re.MULTILINE)
+# Words of a licence -> what its copyleft covers; the first that fits counts.
+_COPYLEFT = (
+    (r"\bAGPL|Affero", "copyleft"),
+    (r"\bLGPL|Lesser General Public|Library General Public", "copyleft of the library"),
+    (r"\bMPL|Mozilla Public|\bEPL|Eclipse Public|\bCDDL", "copyleft of its files"),
+    (r"\bGPL|General Public", "copyleft"),
+)
+# How the text of a licence begins, or what stands in it -> its identifier; for packages whose metadata name none.
+_TEXTS = (
+    ("Apache License", "Apache-2.0"),
+    ("GNU LESSER GENERAL PUBLIC LICENSE", "LGPL"),
+    ("GNU AFFERO", "AGPL"),
+    ("GNU GENERAL PUBLIC LICENSE", "GPL"),
+    ("Mozilla Public License", "MPL-2.0"),
+    ("Permission is hereby granted, free of charge", "MIT"),
+    ("Neither the name of", "BSD-3-Clause"),
+    ("Redistribution and use in source and binary forms", "BSD-2-Clause"),
+)
+_LONGEST = 60
+
+
+class Licence(NamedTuple):
+    """The licence of a package.
+
+    `copyleft` says what its copyleft covers, empty where it has none; `through` is what brings the package in.
+    """
+
+    package: str
+    licence: str
+    copyleft: str
+    through: str
+
+
+def main(arguments: Sequence[str]) -> int:
+    """Print the licences, at the end those with a copyleft again, or write the table of the documentation; return 0."""
+    parser = argparse.ArgumentParser(prog="python -m pipeline licences", description=__doc__)
+    parser.add_argument("--write", action="store_true", help=f"write the table in {DOCS}")
+    found = list(licences())
+    if parser.parse_args(arguments).write:
+        path = PROJECT / DOCS
+        if not path.is_file():
+            raise UserError(f"{DOCS}: not there; the table belongs to a clone of the project")
+        write_text(path, written(path.read_text(encoding="utf-8"), found))
+        print(f"{DOCS}: written")
+        return 0
+    for line in table_lines([("package", "licence", "copyleft", "through"), *found]):
+        print(line)
+    print(f"\n{len(found)} packages of {LOCK_FILE.name}; copyleft:")
+    for line in told(found):
+        print(f"  {line}")
+    return 0
+
+
+def licences() -> Iterator[Licence]:
+    """Yield the licence of every package of the lock file that is installed, in its order.
+
+    Raises
+    ------
+    UserError : a package that is not installed.
+    """
+    names = _NAME.findall(LOCK_FILE.read_text(encoding="utf-8"))
+    brought = _through(names)
+    for name in names:
+        try:
+            licence = licence_of(metadata.distribution(name))
+        except metadata.PackageNotFoundError:
+            raise UserError(f"{LOCK_FILE.name}: {name} is not installed; make setup") from None
+        yield Licence(name, licence, copyleft_of(licence), brought.get(_plain(name), BUILD if brought else ""))
+
+
+def licence_of(package: metadata.Distribution) -> str:
+    """Return the licence of an installed package: its expression, its classifiers, its own words, or its text."""
+    about = package.metadata
+    if about.get("License-Expression"):
+        return str(about["License-Expression"])
+    classifiers = [one.split(" :: ")[-1] for one in about.get_all("Classifier") or [] if one.startswith("License ::")]
+    classified = " or ".join(one for one in classifiers if one != "OSI Approved")
+    if classified:
+        return classified
+    own = (about.get("License") or "").strip().splitlines()
+    if own and len(own[0]) <= _LONGEST and not re.match(r"Copyright|\W", own[0]):
+        return own[0]
+    return next(_of_texts(package), "not said")
+
+
+def copyleft_of(licence: str) -> str:
+    """Return what the copyleft of a licence covers, empty where it has none, or another may be chosen."""
+    kind = next((covers for words, covers in _COPYLEFT if re.search(words, licence)), "")
+    choices = re.split(r"\s+(?:or|OR)\s+(?!later)", licence)
+    free = len(choices) > 1 and any(not copyleft_of(one) for one in choices)
+    return f"{kind} in part, or by choice" if kind and free else kind
+
+
+def told(found: Sequence[Licence]) -> Iterator[str]:
+    """Yield a line for each package under a copyleft: what it covers, who brings it, and for what."""
+    for one in found:
+        if one.copyleft:
+            through = f", through {one.through}" if one.through else ""
+            purposes = [why for name, why in SERVES.items() if one.through.split(" > ")[0] == name]
+            serves = f", which serves only {purposes[0]}" if purposes and through else ""
+            yield f"{one.package}: {one.licence} ({one.copyleft}){through}{serves}"
+
+
+def written(text: str, found: Sequence[Licence]) -> str:
+    """Return a page of the documentation with the table between its marks.
+
+    Raises
+    ------
+    UserError : no marks there.
+    """
+    if not re.search(f"{BEGIN}\n.*{END}", text, re.DOTALL):
+        raise UserError(f"{DOCS}: no lines {BEGIN} and {END} to write between")
+    rows = [("package", "licence", "copyleft", "through"), ("---",) * 4, *found]
+    table = "\n".join(f"| {' | '.join(row)} |" for row in rows)
+    listed = "\n".join(f"- {line}" for line in told(found))
+    return re.sub(f"{BEGIN}\n.*{END}", lambda _: f"{BEGIN}\n{listed}\n\n{table}\n{END}", text, flags=re.DOTALL)
+
+
+def _of_texts(package: metadata.Distribution) -> Iterator[str]:
+    """Yield what the files of a package's licence are by their words."""
+    for file in package.files or ():
+        if file.name.upper().startswith(("LICENSE", "LICENCE", "COPYING")) and ".dist-info" in str(file):
+            text = " ".join(file.read_text(encoding="utf-8").split())
+            yield from (name for words, name in _TEXTS if words.lower() in text.lower())
+
+
+def _through(names: Sequence[str]) -> Mapping[str, str]:
+    """Return package -> the way from what the project itself asks for to it, `pymoo > moocore` but for its own end."""
+    known = {_plain(name) for name in names}
+    first = [name for name in _asked("charge-pipeline") if name in known]
+    ways: dict[str, str] = dict.fromkeys(first, "")
+    waiting = list(first)
+    for name in waiting:
+        for other in _asked(name):
+            if other in known and other not in ways:
+                ways[other] = f"{ways[name]} > {name}".removeprefix(" > ")
+                waiting.append(other)
+    return ways
+
+
+@cache
+def _asked(name: str) -> tuple[str, ...]:
+    """Return the packages that an installed one asks for, without those of its extras."""
+    try:
+        asked = metadata.requires(name) or []
+    except metadata.PackageNotFoundError:
+        return ()
+    plain = (one for one in asked if "extra ==" not in one)
+    return tuple(_plain(found[0]) for one in plain if (found := re.match(r"[A-Za-z0-9._-]+", one)))
+
+
+def _plain(name: str) -> str:
+    return re.sub(r"[-_.]+", "-", name).lower()
