@@ -8,7 +8,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from functools import cache
 from importlib import metadata
 from pathlib import Path
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 from pipeline.commands.terminal import table_lines
 from pipeline.errors import UserError
@@ -95,7 +95,7 @@ def licences() -> Iterator[Licence]:
 
 def licence_of(package: metadata.Distribution) -> str:
     """Return the licence of an installed package: its expression, its classifiers, its own words, or its text."""
-    about = package.metadata
+    about: Any = package.metadata
     if about.get("License-Expression"):
         return str(about["License-Expression"])
     classifiers = [one.split(" :: ")[-1] for one in about.get_all("Classifier") or [] if one.startswith("License ::")]
