@@ -9,14 +9,19 @@ import numpy as np
 import pytest
 import yaml
 
-from pipeline.cell.circuit import compile_cell
-from pipeline.cell.records import Battery
+from pipeline.cell.circuit import CELL, ZERO_CELSIUS_K, compile_cell
+from pipeline.cell.records import Battery, Polynomial
 from pipeline.config.planning import run_of
 from pipeline.config.sources import Source, split
 from pipeline.experiments.own_battery import own_charges, own_fit, own_reading
-from pipeline.experiments.own_battery.certainty import draws, inflation
+from pipeline.experiments.own_battery.certainty import certainty_of, draws, inflation, settle
+from pipeline.experiments.own_battery.fitting import Part, Problem, Spread, mean_of_rounding, unrounded
 from pipeline.experiments.own_battery.numbers import baked, with_values
-from pipeline.experiments.own_battery.records import HeldOut
+from pipeline.experiments.own_battery.outcome import Record
+from pipeline.experiments.own_battery.own_fit import fitted
+from pipeline.experiments.own_battery.reading import Series
+from pipeline.experiments.own_battery.records import Fit, HeldOut
+from pipeline.experiments.own_battery.replay import replays
 from pipeline.experiments.own_battery.segments import (
     CONSTANT_CURRENT,
     CONSTANT_VOLTAGE,
@@ -26,6 +31,7 @@ from pipeline.experiments.own_battery.segments import (
     held_out,
     segments,
     thinned,
+    whole,
 )
 from pipeline.experiments.own_battery.structures import folds
 from pipeline.experiments.own_battery.unknowns import Population, unknowns_of
@@ -209,3 +215,118 @@ def test_numbers_are_put_where_their_paths_say() -> None:
     assert other.pairs["slow"].time_constant_s == 44.0
     assert other.open_circuit_voltage_v.value[3] == 3.21  # type: ignore[union-attr]
     record(made(LFP, 0.9, steps((1.0, 20)), None), LFP, 0.9)
+
+
+def _voltage_problem(battery: Battery, series: Series, soc: float) -> Problem:
+    one = record(series, battery, soc)
+    part = Part(one.thinned, np.ones(len(one.thinned.kept), dtype=bool), np.full(len(one.thinned.kept), -1))
+    model = unknowns_of(battery, [soc], (1.0, 600.0), False, {}, [True])
+    other = [path for path in model.paths if not path.startswith(("series_resistance_ohm", "pairs."))]
+    return Problem(model.without(other), [part], Spread(1e-3, 1.0))
+
+
+def test_a_pair_over_before_the_next_row_keeps_its_prior() -> None:
+    battery = card("lead_acid_12v7ah")
+    series = made(battery, 0.5, steps(*[(2.1, 30), (0.0, 60)] * 4), np.random.default_rng(8), 0.0)
+    series_ohm, fast_ohm, fast_s = (
+        "series_resistance_ohm.polynomial.0", "pairs.fast.resistance_ohm", "pairs.fast.time_constant_s"
+    )  # fmt: skip
+    problem = _voltage_problem(battery, series, 0.5)
+    paths = problem.model.paths
+    slopes = problem.slopes(problem.model.start())[: problem.voltages]
+    series_v, fast_v = (slopes[:, paths.index(path)] for path in (series_ohm, fast_ohm))
+    # In ohms both move the same rows by the same voltage: of the Fisher information only the sum's is not nothing.
+    ratio = battery.pairs["fast"].resistance_ohm / 0.0041666667  # type: ignore[operator]
+    np.testing.assert_allclose(fast_v, ratio * series_v, atol=1e-3 * float(np.max(np.abs(series_v))))
+    # What the time constant moves is heat, which moves the voltage less than a thousandth of the noise.
+    assert np.max(np.abs(slopes[:, paths.index(fast_s)])) < 1e-3
+    for away in (-0.44, 0.0, 0.44):
+        start = with_values(battery, {series_ohm: 0.0041666667 * float(np.exp(away)), fast_ohm: 0.0025})
+        found = _voltage_problem(start, series, 0.5)
+        left, result, kept = settle(found, found.model.start(), 3.0)
+        assert kept[:2] == [fast_s, fast_ohm]
+        known = certainty_of(left, result, 3.0, found.model, 0)
+        place = left.model.paths.index(series_ohm)
+        half = 0.5 * float(np.exp(known.high[place]) - np.exp(known.low[place]))
+        value = float(np.exp(result.vector[place]))
+        # The half-width of the pair's prior, 1.1 of its logarithm, is what stays open of the series resistance in ohms.
+        assert half >= 0.9 * 0.0025 * np.log(3.0)
+        assert value == pytest.approx(0.0041666667, rel=0.25)
+        # Of the sum it leaves nothing open: drawn together, the two give and take.
+        drawn = known.model.plain(draws(known.model, known.vector, known.covariance, 400, np.random.default_rng(1)))
+        assert drawn.shape == (400, len(found.model.unknowns))
+
+
+def test_readings_are_freed_of_the_mean_error_of_their_rounding() -> None:
+    from scipy.special import ndtr
+
+    step, grid = 4e-3, 12.0
+    volts = grid + np.linspace(-2.3, 2.3, 41) * step
+    marks = grid + step * np.arange(-12, 13)
+    for noise in (0.2 * step, 0.35 * step, 0.8 * step):
+        # Exactly: each reading by the share of the noise that falls into its step.
+        ends = (marks[None] - volts[:, None]) / noise
+        shares = ndtr(ends + 0.5 * step / noise) - ndtr(ends - 0.5 * step / noise)
+        expected = shares @ marks - volts
+        np.testing.assert_allclose(mean_of_rounding(volts, step, noise, grid), expected, atol=2e-4 * step)
+
+
+def test_a_held_voltage_between_two_steps_is_found() -> None:
+    step, noise = 4e-3, 1e-3
+    held, battery = 14.4 + 0.6e-3, card("lead_acid_12v7ah")
+    series = made(battery, 0.5, steps((0.0, 3000)), None)
+    rng = np.random.default_rng(3)
+    read = step * np.round((held + noise * rng.standard_normal(len(series.time_s))) / step)
+    plain = {"side_reaction": None, "acceptance": None, "pairs": {}, "entropic_coefficient_v_k": 0.0}
+    battery = battery.model_copy(update={**plain, "open_circuit_voltage_v": Polynomial(polynomial=[held / 6, 0.0])})
+    thin = whole(series._replace(voltage_v=read), AMBIENT_C)._replace(step_v=step)
+    part = Part(thin, np.ones(len(thin.kept), dtype=bool), np.full(len(thin.kept), -1))
+    problem = _voltage_problem(battery, series, 0.5)
+    problem = Problem(problem.model, [part], Spread(1e-3, 1.0))
+    before = float(np.mean(thin.voltage_v)) - held
+    after = float(np.mean(unrounded(problem, problem.model.start())[0].thinned.voltage_v)) - held
+    # 0.3 mV by the amplitude 4 mV / pi exp(-2 (pi / 4)^2) at 0.15 of a step; the mean of the rows has noise of its own.
+    noise_v = float(np.std(thin.voltage_v)) / np.sqrt(len(thin.kept))
+    assert before - after == pytest.approx(float(mean_of_rounding(np.array([held]), step, noise, 14.4)[0]), rel=0.2)
+    assert abs(after) < 3.0 * noise_v
+
+
+def test_a_tail_that_ends_is_no_slope() -> None:
+    battery = card("lead_acid_12v7ah")
+    current = np.concatenate([[0.0], charged(battery, 0.8, 2.1, 14.4, 9000), np.zeros(1200)])
+    series = made(battery, 0.8, current, None)
+    few, every = thinned(series, AMBIENT_C), whole(series, AMBIENT_C)
+    ends = int(np.flatnonzero(few.kept == 9000)[0])
+    assert few.drive.after_a[ends] == 0.0
+    assert few.drive.before_a[ends] == pytest.approx(current[9000], rel=1e-3)
+    cells = np.zeros(1, dtype=np.dtype((np.record, CELL)))
+    cells[:] = compile_cell(battery)
+    start = (np.array([0.8]), np.array([AMBIENT_C + ZERO_CELSIUS_K]))
+    missed = replays(cells, *start, few.drive).voltage_v[0] - replays(cells, *start, every.drive).voltage_v[0, few.kept]
+    assert np.max(np.abs(missed[few.kept >= 6000])) < 2e-5
+
+
+def test_a_side_reaction_that_runs_away_on_the_start_card_does_not_lose_the_fit() -> None:
+    battery = card("nicd_2s_600mah")
+    current = np.concatenate([np.zeros(60), np.full(3600, 0.6), np.zeros(1200)])
+    series = made(battery, 0.2, current, np.random.default_rng(6))
+    off = {
+        "thermal.resistance_k_w": 40.0,
+        "side_reaction.thermal_voltages": 1.6,
+        "open_circuit_voltage_v.factor": 0.015,
+    }
+    start = with_values(battery, off)
+    one = record(series, start, 0.2)
+    assert _hottest_c(start, one) > 100.0 > 2.0 * float(np.max(series.temperature_c))
+    fit = Fit.model_validate({"pairs": [0], "side_reaction": "with", "starts": 1, "folds": 2})
+    found = fitted(start, [one], fit, {}, np.random.default_rng(0))
+    best, _ = found.problem.model.card(found.result.vector)
+    assert best.thermal.resistance_k_w == pytest.approx(22.0, rel=0.02)
+    assert best.capacity_ah == pytest.approx(0.6, rel=0.01)
+
+
+def _hottest_c(battery: Battery, one: Record) -> float:
+    cells = np.zeros(1, dtype=np.dtype((np.record, CELL)))
+    cells[:] = compile_cell(battery)
+    found = replays(cells, np.array([one.soc]), np.array([one.thinned.start_k]), one.thinned.drive)
+    return float(np.max(found.temperature_k)) - ZERO_CELSIUS_K

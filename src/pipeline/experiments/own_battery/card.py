@@ -24,6 +24,7 @@ _UNITS = {
 }  # fmt: skip
 _KEPT = "keeps its prior: the interval that the measurement gives is wider than that, or ends at a bound"
 _GOES_WITH = "goes with the points beside it: the measurement alone does not tell it"
+_NO_BETTER = "fitted with the others, and known no better than before: its interval is as wide as its prior"
 
 
 def unit_of(path: str) -> str:
@@ -49,7 +50,7 @@ def parameters(found: Fitted, start: Battery) -> Iterator[tuple[Any, ...]]:
         soc = _soc_of(found.model.battery, one.path)
         if one.path in values:
             identified = bool(told[one.path])
-            how = "fitted" if identified else _GOES_WITH
+            how = "fitted" if identified else _NO_BETTER if soc is None else _GOES_WITH
             yield (one.path, soc, unit_of(one.path), one.start, values[one.path], *intervals[one.path], identified, how)
         else:
             yield (one.path, soc, unit_of(one.path), one.start, one.start, None, None, False, _KEPT)

@@ -20,6 +20,8 @@ _NUDGE = 1e-4
 _WARM_EVERY = 4
 _SPREAD = 1.4826
 """Standard deviation over the median of the magnitudes of normal residuals."""
+_HARMONICS, _LEAST_NOISE, _MOST_NOISE = 3, 0.2, 1.0
+"""Harmonics of the error of rounding, and the noise, in steps, between which its mean is taken off."""
 LEAST_V, LEAST_K = 2e-4, 0.02
 """Spread below which no residual is taken to be: of the voltage of a cell [V], of the temperature [K]."""
 
@@ -121,7 +123,7 @@ class Problem:
         found, begin = [], 0
         for one, part, seen in zip(self.replayed(vector[None]), self.parts, self._volts, strict=True):
             count, step = int(seen.sum()), part.thinned.step_v
-            if step > 0.0 and count:
+            if step > 0.0 and count and part.thinned.shared_v > 0.0:
                 cell = np.round(one.voltage_v[0, seen] / step)
                 runs = np.split(np.arange(count), np.flatnonzero(np.diff(cell)) + 1)
                 found += [(begin + run, part.thinned.shared_v / self.spread.voltage_v) for run in runs]
@@ -150,6 +152,59 @@ class Problem:
         return np.asarray(((found[1:] - found[0]) / steps[:, None]).T)
 
 
+def mean_of_rounding(volts: Array, step_v: float, noise_v: float, grid_v: float) -> Array:
+    """Return the error of readings of voltages with noise that are rounded to steps, on average [V].
+
+    Rounding to steps of q leaves an error that is a wave over the voltage, which noise of a standard deviation s
+    smooths: the k-th harmonic has the amplitude q / (pi k) exp(-2 (pi k s / q)^2). At a held voltage it is the same
+    in every row, and no mean over rows makes it less.
+
+    Arguments
+    ---------
+    volts : before they are read, any shape [V].
+    step_v, noise_v : step, and standard deviation of the noise [V].
+    grid_v : a reading, from which the steps count [V].
+
+    Source: B. Widrow and I. Kollar, Quantization Noise, Cambridge University Press (2008), chapter 4.
+    """
+    angle = 2.0 * math.pi * (volts - grid_v) / step_v
+    found = np.zeros_like(volts)
+    for k in range(1, _HARMONICS + 1):
+        size = step_v / (math.pi * k) * math.exp(-2.0 * (math.pi * k * noise_v / step_v) ** 2)
+        found += (-size if k % 2 else size) * np.sin(k * angle)
+    return np.asarray(found)
+
+
+def unrounded(problem: Problem, vector: Array) -> list[Part]:
+    """Return the records with voltages less the mean error of their rounding, by a fit near the answer.
+
+    The noise before rounding is that which makes the readings likeliest: each is the step that the voltage with its
+    noise falls into. Noise too small to tell the steps by their mean leaves the rows of a step with one error, which
+    is counted as such; where it is large, steps do not matter.
+    """
+    from scipy.optimize import minimize_scalar
+    from scipy.special import ndtr
+
+    found = []
+    for one, part in zip(problem.replayed(vector[None]), problem.parts, strict=True):
+        step, volts = part.thinned.step_v, one.voltage_v[0]
+        if step > 0.0 and part.seen.any():
+            missed = (part.thinned.voltage_v - volts)[part.seen] / step
+
+            def unlikely(log_noise: float, missed: Array = missed) -> float:
+                noise = math.exp(log_noise)
+                share = ndtr((missed + 0.5) / noise) - ndtr((missed - 0.5) / noise)
+                return float(-np.sum(np.log(np.maximum(share, 1e-6))))
+
+            noise = math.exp(minimize_scalar(unlikely, bounds=(math.log(0.05), math.log(3.0)), method="bounded").x)
+            if _LEAST_NOISE <= noise <= _MOST_NOISE:
+                read = part.thinned.voltage_v
+                wave = mean_of_rounding(volts, step, noise * step, float(read[0]))
+                part = part._replace(thinned=part.thinned._replace(voltage_v=read - wave, shared_v=0.0))
+        found.append(part)
+    return found
+
+
 def _some(rows: NDArray[np.bool_]) -> NDArray[np.bool_]:
     """Return every fourth of some rows: temperatures change slowly."""
     found = np.zeros_like(rows)
@@ -157,7 +212,9 @@ def _some(rows: NDArray[np.bool_]) -> NDArray[np.bool_]:
     return found
 
 
-def solve(problem: Problem, start: Array | None = None, robust: float = 3.0, most: int = 60) -> Result:
+def solve(
+    problem: Problem, start: Array | None = None, robust: float = 3.0, most: int = 60, tolerance: float = 1e-6
+) -> Result:
     """Fit by `scipy.optimize.least_squares` (trust region, bounds, soft_l1 loss).
 
     Arguments
@@ -165,6 +222,7 @@ def solve(problem: Problem, start: Array | None = None, robust: float = 3.0, mos
     start : vector to start from; that of the model where not given.
     robust : residual from which it counts less, in units of the spread.
     most : evaluations of the residuals at most, slopes not counted.
+    tolerance : relative change of the loss and of the vector below which it ends.
     """
     from scipy.optimize import least_squares
 
@@ -174,11 +232,24 @@ def solve(problem: Problem, start: Array | None = None, robust: float = 3.0, mos
         cost = 0.5 * float(np.sum(problem.residuals(begin[None])[0] ** 2))
         return Result(problem.model, begin, cost, problem.evaluations, True)
     begin = np.clip(begin, low + 1e-9 * (high - low), high - 1e-9 * (high - low))
+    widths = problem.model.widths()
+
+    def vector(steps: Array) -> Array:
+        return np.clip(begin + steps * widths, low, high)
+
+    def missed(steps: Array) -> Array:
+        return problem.function(vector(steps))
+
+    def slopes(steps: Array) -> Array:
+        return np.asarray(problem.slopes(vector(steps)) * widths)
+
+    # From nothing in units of the priors: the trust region begins with the length of one of these, not with the size
+    # of the numbers, and a first step cannot leave for another valley.
     found = least_squares(
-        problem.function, begin, problem.slopes, (low, high), "trf", ftol=1e-6, xtol=1e-6, gtol=1e-9,
-        x_scale=problem.model.widths(), loss="soft_l1", f_scale=robust, max_nfev=most,
+        missed, np.zeros(len(begin)), slopes, ((low - begin) / widths, (high - begin) / widths), "trf",
+        ftol=tolerance, xtol=tolerance, gtol=1e-9, loss="soft_l1", f_scale=robust, max_nfev=most,
     )  # fmt: skip
-    return Result(problem.model, found.x, float(found.cost), problem.evaluations, found.status > 0)
+    return Result(problem.model, vector(found.x), float(found.cost), problem.evaluations, found.status > 0)
 
 
 def spread_of(problem: Problem, vector: Array) -> Spread:

@@ -13,7 +13,7 @@ from pipeline.cell.circuit import ZERO_CELSIUS_K
 from pipeline.cell.records import Battery
 from pipeline.experiments.own_battery import card
 from pipeline.experiments.own_battery.certainty import certainty_of, draws, settle
-from pipeline.experiments.own_battery.fitting import Part, Problem, Spread, many_starts
+from pipeline.experiments.own_battery.fitting import Part, Problem, Spread, many_starts, solve, unrounded
 from pipeline.experiments.own_battery.outcome import Fitted, Record
 from pipeline.experiments.own_battery.reading import Series
 from pipeline.experiments.own_battery.records import Fit
@@ -25,6 +25,7 @@ from pipeline.kernel.artefacts import Inputs, Output
 from pipeline.quantity import Quantity
 
 Array = NDArray[np.float64]
+_ROUNDED_TWICE = 2
 
 
 def run(settings: Mapping[str, Any], inputs: Inputs, output: Output) -> None:
@@ -39,17 +40,18 @@ def run(settings: Mapping[str, Any], inputs: Inputs, output: Output) -> None:
     rng = np.random.default_rng(np.random.SeedSequence([int(settings["seed"]), 0]))
     found = fitted(battery, records, fit, ranges, rng)
     best, fitted_socs = found.problem.model.card(found.result.vector)
-    known = iter(fitted_socs)
+    starts = iter(fitted_socs)
     # Everything is chosen: only now the rows that were held out are looked at.
-    seen = {place: next(known) for place, one in enumerate(records) if not one.held_out.all()}
+    seen = {place: next(starts) for place, one in enumerate(records) if not one.held_out.all()}
     socs = [seen[place] if place in seen else _soc_unseen(one, records, seen) for place, one in enumerate(records)]
     errors = list(_errors(best, records, socs))
     output.rows("structures", _structures(found))
     output.rows("parameters", list(card.parameters(found, battery)))
     output.rows("errors", errors)
     output.write("overlay", _overlay(output, best, records, socs))
-    drawn = draws(found.problem.model, found.result.vector, found.certainty.covariance, fit.samples, rng)
-    output.rows("samples", list(_samples(found.problem.model, drawn)))
+    known = found.certainty
+    drawn = draws(known.model, known.vector, known.covariance, fit.samples, rng)
+    output.rows("samples", list(_samples(known.model, drawn)))
     valid = card.validity(best, records, socs)
     output.numbers(_numbers(found, errors, valid))
     name = records[0].series.file
@@ -85,9 +87,14 @@ def fitted(
         structures(battery, fit, rows_s, span), [one.soc for one in used], parts, fit, rows_s, dict(ranges),
         [one.stated for one in used],
     )  # fmt: skip
-    problem, result, kept = settle(Problem(chosen.model, parts, spread), chosen.vector, fit.robust_scale)
+    near = Problem(chosen.model, parts, spread, ridge=True)
+    vector = chosen.vector
+    for _ in range(_ROUNDED_TWICE):
+        vector = solve(near, vector, fit.robust_scale, 20).vector
+        near = Problem(chosen.model, unrounded(Problem(chosen.model, parts, spread), vector), spread, ridge=True)
+    problem, result, kept = settle(Problem(chosen.model, near.parts, spread), vector, fit.robust_scale)
     starts = many_starts(problem, result.vector, fit.starts, rng, fit.robust_scale, 30)
-    certainty = certainty_of(problem, starts[0], fit.robust_scale)
+    certainty = certainty_of(problem, starts[0], fit.robust_scale, chosen.model)
     return Fitted(tried, chosen, chosen.model, problem, starts[0], starts, kept, certainty)
 
 

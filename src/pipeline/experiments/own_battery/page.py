@@ -127,7 +127,8 @@ def _parameters(data: ReportData) -> ReportTable:
     return ReportTable(
         "fitted_parameters",
         "Fitted numbers",
-        "95 % intervals, those of numbers outside tables from profiles.",
+        "95 % intervals, those of numbers outside tables from profiles; what the measurement leaves open of the numbers "
+        "that keep their priors is in those of the others.",
         ("number", "SOC", "unit", "start card", "fitted", "from", "to", "how"),
         rows,
     )

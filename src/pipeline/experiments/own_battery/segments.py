@@ -239,7 +239,9 @@ def _thinned(series: Series, kept: NDArray[np.int64], ambient_c: float) -> Thinn
     put_in = 3600.0 * np.diff(counted[kept])
     mean = np.divide(put_in, length, out=current[kept][1:].copy(), where=length > 0.0)
     if series.jumps:
-        before, after = _straight(mean, length, current[kept[0]])
+        jump = np.zeros(len(current) + 1, dtype=bool)
+        jump[_edges(series)] = True
+        before, after = _straight(mean, length, current[kept[0]], jump[kept[1:-1] + 1])
     else:
         shift = mean - 0.5 * (current[kept[1:]] + current[kept[:-1]])
         before = np.append(current[kept[0]], current[kept[1:]] + shift)
@@ -289,7 +291,7 @@ def _first_rows(series: Series) -> int:
     return max(min(ends, early), 3)
 
 
-def _straight(mean: Array, length: Array, first_a: float) -> tuple[Array, Array]:
+def _straight(mean: Array, length: Array, first_a: float, jump: NDArray[np.bool_]) -> tuple[Array, Array]:
     """Return the current before and after each row, straight in every interval, its mean kept.
 
     Where it does not jump it passes through the mean of both sides: single rows are too noisy to begin and end with.
@@ -298,11 +300,13 @@ def _straight(mean: Array, length: Array, first_a: float) -> tuple[Array, Array]
     ---------
     mean, length : of the intervals, shape (m - 1,) [A], [s].
     first_a : current of the first row [A].
+    jump : whether the current is another behind each row between two intervals, shape (m - 2,); a tail that ends is
+        one however small it has become.
     """
     before, after = np.append(first_a, mean), np.append(mean, mean[-1])
     near = np.abs(np.diff(mean)) < _SMOOTH * (np.max(np.abs(mean)) + 1e-30)
     weight = length[:-1] + length[1:]
-    near &= (length[:-1] > 0.0) & (length[1:] > 0.0)
+    near &= (length[:-1] > 0.0) & (length[1:] > 0.0) & ~jump
     between = np.divide(
         mean[:-1] * length[1:] + mean[1:] * length[:-1], weight, out=mean[1:].copy(), where=weight > 0.0
     )

@@ -206,6 +206,16 @@ def _of_blocks(problem: Problem, vector: Array, fold: int) -> dict[tuple[int, in
     return found
 
 
+def _imposed(part: Part) -> Part:
+    """Return a record whose battery has the temperature that was measured.
+
+    The circuit is fitted so first: with a start card's cooling a side reaction may run away with its own heat, and no
+    slope leads back from there.
+    """
+    warm = part.thinned.temperature_k
+    return part._replace(thinned=part.thinned._replace(drive=part.thinned.drive._replace(given_k=warm)))
+
+
 def compare(
     candidates: Sequence[Structure],
     soc: Sequence[float],
@@ -226,7 +236,11 @@ def compare(
     for one in candidates:
         model = unknowns_of(one.battery, soc, rows_s, warm, ranges, known)
         whole = Problem(model, parts, Spread(0.01 * cells, 0.5), ridge=True)
-        found = solve(whole, robust=fit.robust_scale, most=25)
+        begin = None
+        if warm:
+            imposed = Problem(model, [_imposed(part) for part in parts], Spread(0.01 * cells, 0.5), ridge=True)
+            begin = solve(imposed, robust=fit.robust_scale, most=15).vector
+        found = solve(whole, begin, fit.robust_scale, 25)
         errors: dict[tuple[int, int], float] = {}
         for fold in range(fit.folds):
             if not any((part.fold == fold).any() for part in parts):
