@@ -114,7 +114,8 @@ def drive(current_a: Sequence[float], spacing_s: float) -> Drive:
     after = np.append(np.asarray(current_a, dtype=float), current_a[-1])
     before = np.append(current_a[0], np.asarray(current_a, dtype=float))
     around = np.full(count, 25.0 + ZERO_CELSIUS_K)
-    return Drive(spacing_s * np.arange(count), before, after, before, around, np.full(count, np.nan))
+    nothing = np.full(count, np.nan)
+    return Drive(spacing_s * np.arange(count), before, after, before, around, nothing, nothing, np.zeros(count))
 
 
 def written(path: Path, series: Series, **columns: str) -> Path:

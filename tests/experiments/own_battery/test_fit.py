@@ -32,6 +32,7 @@ from pipeline.experiments.own_battery.segments import (
     segments,
     thinned,
     whole,
+    with_held_voltages,
 )
 from pipeline.experiments.own_battery.structures import folds
 from pipeline.experiments.own_battery.unknowns import Population, unknowns_of
@@ -323,6 +324,32 @@ def test_a_side_reaction_that_runs_away_on_the_start_card_does_not_lose_the_fit(
     best, _ = found.problem.model.card(found.result.vector)
     assert best.thermal.resistance_k_w == pytest.approx(22.0, rel=0.02)
     assert best.capacity_ah == pytest.approx(0.6, rel=0.01)
+
+
+@pytest.mark.slow
+def test_a_charge_is_fitted_by_its_protocol_where_that_is_asked_for() -> None:
+    battery = card("nmc_5ah")
+    current = np.concatenate([np.zeros(60), charged(battery, 0.3, 5.0, 4.15, 4500), np.zeros(900)])
+    series = made(battery, 0.3, current, np.random.default_rng(9), 0.0)
+    start = with_values(battery, {"capacity_ah": 5.4})
+    one = record(series, start, 0.3)
+    held = one._replace(thinned=with_held_voltages(one.thinned, one.segments, series.voltage_v), held=True)
+    driven = ~np.isnan(held.thinned.drive.held_v)
+    at = [part for part in one.segments if part.kind == CONSTANT_VOLTAGE]
+    assert len(at) == 1
+    assert 100 < driven.sum() < 0.9 * len(driven)
+    np.testing.assert_allclose(held.thinned.drive.held_v[driven], 4.15, atol=2e-4)
+    fit = Fit.model_validate({"pairs": [1], "starts": 1, "folds": 2, "temperature_dependence": "without"})
+    both = [fitted(start, [given], fit, {}, np.random.default_rng(0)) for given in (one, held)]
+    by_current, by_voltage = both
+    assert by_current.problem.currents == 0
+    assert by_voltage.problem.currents == driven.sum()
+    assert by_voltage.problem.voltages + by_voltage.problem.currents == by_current.problem.voltages
+    for found in both:
+        best, _ = found.problem.model.card(found.result.vector)
+        assert best.capacity_ah == pytest.approx(5.0, rel=0.01)
+    # 0.1 % of the current and 1 mV of the voltage that is held: what a tail of the current is met to.
+    assert by_voltage.problem.spread.current_a < 0.02
 
 
 def _hottest_c(battery: Battery, one: Record) -> float:

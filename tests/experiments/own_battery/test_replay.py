@@ -9,7 +9,7 @@ import pytest
 
 from pipeline.cell.circuit import CELL, ZERO_CELSIUS_K, compile_cell
 from pipeline.cell.records import Arrhenius, Battery, Pair, Polynomial, Thermal
-from pipeline.charge.records import ChargeSettings, EngineSettings, Window
+from pipeline.charge.records import ChargeSettings, EngineSettings, Mode, Window
 from pipeline.charge.simulate import BENCH, simulate
 from pipeline.experiments.own_battery.replay import replays
 from pipeline.experiments.validation.plain import constant
@@ -120,3 +120,43 @@ def test_a_population_is_each_of_its_cells_alone() -> None:
         alone = replays(_cells(battery), soc[place : place + 1], start[:1], rows)
         np.testing.assert_array_equal(both.voltage_v[place], alone.voltage_v[0])
         np.testing.assert_array_equal(both.temperature_k[place], alone.temperature_k[0])
+
+
+@pytest.mark.parametrize("name", ["lead_acid_12v7ah", "lfp_8ah", "nmc_5ah"])
+def test_a_held_voltage_with_its_limit_is_the_charge_of_the_engine(name: str) -> None:
+    battery = card(name)
+    rate, volts, soc = {
+        "lead_acid_12v7ah": (2.1, 14.4, 0.7),
+        "lfp_8ah": (8.0, 3.45, 0.8),
+        "nmc_5ah": (2.5, 4.2, 0.8),
+    }[name]
+    seconds = 5400
+    sheet = {"constant_voltage": {"voltage_v": volts, "max_current_a": rate}}
+    mode = Mode.model_validate({"title": "charge", "phases": {"charge": sheet}, "stop": {"elapsed_s": seconds}})
+    ends = (600.0, 1200.0, 1800.0)
+    windows = [Window(start_s=end - 1.0, length_s=1.0) for end in ends]
+    settings = ChargeSettings(initial_soc=soc, ambient_c=25.0, sample_interval_s=60.0, windows=windows)
+    charge = simulate(battery, mode, BENCH, settings, EngineSettings(driver="edge", tolerance=1e-10))
+    rows = drive([99.0] * seconds, 1.0)
+    rows = rows._replace(held_v=np.full(seconds + 1, volts), limit_a=np.full(seconds + 1, rate))
+    made = replays(_cells(battery), np.array([soc]), np.array([298.15]), rows)
+    times = np.asarray(charge.waveform["time_s"])
+    for end in ends:
+        at = int(np.flatnonzero(times <= end + 1e-6)[-1])
+        assert made.current_a[0, int(end)] == pytest.approx(charge.waveform["current_a"][at], rel=2e-3)
+        assert made.voltage_v[0, int(end)] == pytest.approx(charge.waveform["voltage_v"][at], abs=2e-4)
+        warm_c = made.temperature_k[0, int(end)] - ZERO_CELSIUS_K
+        assert warm_c == pytest.approx(charge.waveform["temperature_c"][at], abs=2e-3)
+    assert made.current_a[0, 1:].max() == rate
+    assert made.current_a[0, -1] < 0.2 * rate
+
+
+def test_a_charger_that_holds_a_voltage_takes_nothing_back_and_keeps_its_limit() -> None:
+    battery = card("lfp_8ah")
+    rows = drive([0.0] * 300, 1.0)
+    for volts, expected in ((3.0, 0.0), (3.9, 4.0)):
+        held = rows._replace(held_v=np.full(301, volts), limit_a=np.full(301, 4.0))
+        made = replays(_cells(battery), np.array([0.5]), np.array([298.15]), held)
+        np.testing.assert_array_equal(made.current_a[0, 1:], expected)
+    with_current = replays(_cells(battery), np.array([0.5]), np.array([298.15]), drive([4.0] * 300, 1.0))
+    np.testing.assert_allclose(made.voltage_v[0, 1:], with_current.voltage_v[0, 1:], atol=1e-12)

@@ -7,6 +7,7 @@ where two neighbours of it no longer come to more than nothing (Geyer, Statistic
 
 from __future__ import annotations
 
+import itertools
 import math
 from typing import NamedTuple
 
@@ -68,10 +69,11 @@ def covariance_of(problem: Problem, vector: Array, robust: float) -> tuple[Array
     """
     slopes, missed = problem.slopes(vector), problem.function(vector)
     weight = 1.0 / np.sqrt(1.0 + (missed / robust) ** 2)
-    volts, warm = problem.voltages, problem.temperatures
-    kinds = [slice(0, volts), slice(volts, volts + warm)]
+    volts = problem.voltages
+    ends = np.cumsum([0, volts, problem.temperatures, problem.currents]).tolist()
+    kinds = [slice(*both) for both in itertools.pairwise(ends)]
     bread = slopes.T @ (weight[:, None] * slopes)
-    before = slopes[volts + warm :]
+    before = slopes[ends[-1] :]
     filling = before.T @ before
     effective = float(volts)
     for kind in kinds:

@@ -22,8 +22,9 @@ _SPREAD = 1.4826
 """Standard deviation over the median of the magnitudes of normal residuals."""
 _HARMONICS, _LEAST_NOISE, _MOST_NOISE = 3, 0.2, 1.0
 """Harmonics of the error of rounding, and the noise, in steps, between which its mean is taken off."""
-LEAST_V, LEAST_K = 2e-4, 0.02
-"""Spread below which no residual is taken to be: of the voltage of a cell [V], of the temperature [K]."""
+LEAST_V, LEAST_K, LEAST_SHARE = 2e-4, 0.02, 2e-4
+"""Spread below which no residual is taken to be: of the voltage of a cell [V], of the temperature [K], of the current,
+a share of its largest."""
 
 
 class Part(NamedTuple):
@@ -42,10 +43,14 @@ class Part(NamedTuple):
 
 
 class Spread(NamedTuple):
-    """Standard deviation of the residuals: of the battery's voltage [V], of its temperature [K]."""
+    """Standard deviation of the residuals: of the battery's voltage [V], of its temperature [K], of its current [A].
+
+    The current is compared where a held voltage drives the replay.
+    """
 
     voltage_v: float
     temperature_k: float
+    current_a: float = 1.0
 
 
 class Result(NamedTuple):
@@ -86,9 +91,12 @@ class Problem:
         self._steps = _NUDGE * self._priors
         self._neighbours = model.neighbours()
         self.evaluations = 0
-        self._volts = [part.seen & ((part.fold != leave) | (leave < 0)) for part in parts]
+        rows = [part.seen & ((part.fold != leave) | (leave < 0)) for part in parts]
+        held = [~np.isnan(part.thinned.drive.held_v) for part in parts]
+        self._volts = [seen & ~driven for seen, driven in zip(rows, held, strict=True)]
+        self._amperes = [seen & driven for seen, driven in zip(rows, held, strict=True)]
         self._warm = [
-            _some(seen & ~np.isnan(part.thinned.temperature_k)) for seen, part in zip(self._volts, parts, strict=True)
+            _some(seen & ~np.isnan(part.thinned.temperature_k)) for seen, part in zip(rows, parts, strict=True)
         ]
 
     def replayed(self, vectors: Array) -> list[Replay]:
@@ -102,13 +110,18 @@ class Problem:
         return found
 
     def residuals(self, vectors: Array) -> Array:
-        """Return the residuals of a population, shape (n, rows): voltages, temperatures, then what is known before."""
+        """Return the residuals of a population, shape (n, rows).
+
+        Voltages, temperatures, currents at a held voltage, then what is known before.
+        """
         made = self.replayed(vectors)
         rows = []
         for one, part, seen in zip(made, self.parts, self._volts, strict=True):
             rows.append((one.voltage_v[:, seen] - part.thinned.voltage_v[seen]) / self.spread.voltage_v)
         for one, part, seen in zip(made, self.parts, self._warm, strict=True):
             rows.append((one.temperature_k[:, seen] - part.thinned.temperature_k[seen]) / self.spread.temperature_k)
+        for one, part, seen in zip(made, self.parts, self._amperes, strict=True):
+            rows.append((one.current_a[:, seen] - part.thinned.drive.read_a[seen]) / self.spread.current_a)
         away = vectors - self._start
         if len(self._neighbours.first):
             first, second, width = self._neighbours
@@ -139,6 +152,11 @@ class Problem:
     def temperatures(self) -> int:
         """Return how many of the residuals are temperatures."""
         return int(sum(seen.sum() for seen in self._warm))
+
+    @property
+    def currents(self) -> int:
+        """Return how many of the residuals are currents."""
+        return int(sum(seen.sum() for seen in self._amperes))
 
     def function(self, vector: Array) -> Array:
         """Return the residuals of one vector."""
@@ -189,7 +207,7 @@ def unrounded(problem: Problem, vector: Array) -> list[Part]:
     for one, part in zip(problem.replayed(vector[None]), problem.parts, strict=True):
         step, volts = part.thinned.step_v, one.voltage_v[0]
         if step > 0.0 and part.seen.any():
-            missed = (part.thinned.voltage_v - volts)[part.seen] / step
+            missed = (part.thinned.voltage_v - volts)[part.seen & np.isnan(part.thinned.drive.held_v)] / step
 
             def unlikely(log_noise: float, missed: Array = missed) -> float:
                 noise = math.exp(log_noise)
@@ -255,11 +273,18 @@ def solve(
 def spread_of(problem: Problem, vector: Array) -> Spread:
     """Return the spread of the residuals at a vector, robustly, not below what no sensor does better."""
     found = problem.function(vector)
-    volts, warm = found[: problem.voltages], found[problem.voltages : problem.voltages + problem.temperatures]
-    cells = problem.model.battery.cells
+    ends = np.cumsum([problem.voltages, problem.temperatures, problem.currents])
+    sizes = [
+        _SPREAD * float(np.median(np.abs(one))) if len(one) else math.nan
+        for one in np.split(found[: ends[-1]], ends[:-1])
+    ]
+    volts, warm, amperes = (size * unit for size, unit in zip(sizes, problem.spread, strict=True))
+    least_v = LEAST_V * problem.model.battery.cells
+    least_a = LEAST_SHARE * max(float(np.max(np.abs(part.thinned.drive.read_a))) for part in problem.parts)
     return Spread(
-        max(_SPREAD * float(np.median(np.abs(volts))) * problem.spread.voltage_v, cells * LEAST_V),
-        max(_SPREAD * float(np.median(np.abs(warm))) * problem.spread.temperature_k, LEAST_K) if len(warm) else 1.0,
+        least_v if math.isnan(volts) else max(volts, least_v),
+        1.0 if math.isnan(warm) else max(warm, LEAST_K),
+        1.0 if math.isnan(amperes) else max(amperes, least_a),
     )
 
 
@@ -267,8 +292,9 @@ def rmse_v(problem: Problem, vector: Array, rows: Sequence[NDArray[np.bool_]]) -
     """Return the root of the mean squared residual of the voltage over some rows of each record [V]."""
     squares, count = 0.0, 0
     for one, part, chosen in zip(problem.replayed(vector[None]), problem.parts, rows, strict=True):
-        missed = one.voltage_v[0, chosen] - part.thinned.voltage_v[chosen]
-        squares, count = squares + float(np.sum(missed**2)), count + int(chosen.sum())
+        own = chosen & np.isnan(part.thinned.drive.held_v)
+        missed = one.voltage_v[0, own] - part.thinned.voltage_v[own]
+        squares, count = squares + float(np.sum(missed**2)), count + int(own.sum())
     return math.sqrt(squares / count) if count else math.nan
 
 

@@ -16,7 +16,10 @@ from pipeline.experiments.own_battery.unknowns import Model
 
 
 class Record(NamedTuple):
-    """A file as the fit takes it: its rows, thinned, which of them it may see, and what it starts from."""
+    """A file as the fit takes it: its rows, thinned, which of them it may see, and what it starts from.
+
+    `held` tells whether the voltage drives the replay where a charger held one.
+    """
 
     series: Series
     thinned: Thinned
@@ -25,6 +28,7 @@ class Record(NamedTuple):
     soc: float
     stated: bool
     ambient_c: float
+    held: bool = False
 
 
 class Fitted(NamedTuple):

@@ -17,7 +17,7 @@ from pipeline.experiments.own_battery.fitting import Part, Problem, Spread, many
 from pipeline.experiments.own_battery.outcome import Fitted, Record
 from pipeline.experiments.own_battery.reading import Series
 from pipeline.experiments.own_battery.records import Fit
-from pipeline.experiments.own_battery.segments import Segment, Thinned, thinned, whole
+from pipeline.experiments.own_battery.segments import Segment, Thinned, thinned, whole, with_held_voltages
 from pipeline.experiments.own_battery.structures import compare, folds, structures
 from pipeline.experiments.own_battery.tables import FITTED_NUMBERS
 from pipeline.experiments.own_battery.unknowns import SOC, Model
@@ -31,7 +31,7 @@ _ROUNDED_TWICE = 2
 def run(settings: Mapping[str, Any], inputs: Inputs, output: Output) -> None:
     """Fit the card and write it."""
     battery, fit = Battery.model_validate(settings["battery"]), Fit.model_validate(settings["fit"])
-    records = read(inputs, "own_reading")
+    records = read(inputs, "own_reading", fit.constant_voltage == "voltage")
     ranges = {
         path.removeprefix("battery."): (source["range"][0], source["range"][1])
         for path, source in settings["sources"].items()
@@ -98,8 +98,13 @@ def fitted(
     return Fitted(tried, chosen, chosen.model, problem, starts[0], starts, kept, certainty)
 
 
-def read(inputs: Inputs, source: str) -> list[Record]:
-    """Return the files of a reading as the fit takes them."""
+def read(inputs: Inputs, source: str, held: bool = False) -> list[Record]:
+    """Return the files of a reading as the fit takes them.
+
+    Arguments
+    ---------
+    held : whether the voltage drives the replay where a charger held one.
+    """
     rows, listed, files = (inputs.table(source, name) for name in ("series", "segments", "files"))
     found = []
     for place, name in zip(files["file"].tolist(), files["name"].tolist(), strict=True):
@@ -120,12 +125,10 @@ def read(inputs: Inputs, source: str) -> list[Record]:
         segments = [Segment(*values) for values in zip(*(listed[key][segment].tolist() for key in names), strict=True)]
         ambient = float(files["ambient_c"][place])
         out = rows["held_out"][own].astype(bool)
-        found.append(
-            Record(
-                series, thinned(series, ambient), out, segments, float(files["initial_soc"][place]),
-                bool(files["stated"][place]), ambient,
-            )
-        )  # fmt: skip
+        few = thinned(series, ambient)
+        few = with_held_voltages(few, segments, series.voltage_v) if held else few
+        soc, stated = float(files["initial_soc"][place]), bool(files["stated"][place])
+        found.append(Record(series, few, out, segments, soc, stated, ambient, held))
     return found
 
 
@@ -145,19 +148,25 @@ def _soc_unseen(one: Record, records: Sequence[Record], seen: Mapping[int, float
     return seen[min(seen, key=lambda place: abs(float(records[place].series.voltage_v[0]) - first))]
 
 
-def _replayed(best: Battery, series: Thinned, soc: float) -> tuple[Array, Array, Array]:
+def _replayed(best: Battery, series: Thinned, soc: float) -> tuple[Array, Array, Array, Array]:
     model = Model(best, (), (soc,))
     part = Part(series, np.ones(len(series.kept), dtype=bool), np.full(len(series.kept), -1))
     made = Problem(model, [part], Spread(1.0, 1.0)).replayed(np.zeros((1, 0)))[0]
-    return made.voltage_v[0], made.temperature_k[0] - ZERO_CELSIUS_K, 1.0 - made.depth[0]
+    return made.voltage_v[0], made.temperature_k[0] - ZERO_CELSIUS_K, 1.0 - made.depth[0], made.current_a[0]
 
 
 def _errors(best: Battery, records: Sequence[Record], socs: Sequence[float]) -> Iterator[tuple[Any, ...]]:
     """Yield the errors of every file, of the fitted part and of what was held out, over all rows."""
     for place, one in enumerate(records):
         full = whole(one.series, one.ambient_c)
-        volts, warm, _ = _replayed(best, full, socs[place])
-        kinds = (("voltage", "V", volts - one.series.voltage_v), ("temperature", "K", warm - one.series.temperature_c))
+        full = with_held_voltages(full, one.segments, one.series.voltage_v) if one.held else full
+        volts, warm, _, amperes = _replayed(best, full, socs[place])
+        driven = ~np.isnan(full.drive.held_v)
+        kinds = (
+            ("voltage", "V", np.where(driven, np.nan, volts - one.series.voltage_v)),
+            ("temperature", "K", warm - one.series.temperature_c),
+            ("current", "A", np.where(driven, amperes - one.series.current_a, np.nan)),
+        )
         for part, rows in (("fit", ~one.held_out), ("held out", one.held_out)):
             for quantity, unit, missed in kinds:
                 here = np.flatnonzero(rows & np.isfinite(missed))
@@ -173,11 +182,12 @@ def _errors(best: Battery, records: Sequence[Record], socs: Sequence[float]) -> 
 def _overlay(output: Output, best: Battery, records: Sequence[Record], socs: Sequence[float]) -> dict[str, list[Any]]:
     rows: dict[str, list[Any]] = output.empty("overlay")
     for place, one in enumerate(records):
-        volts, warm, soc = _replayed(best, one.thinned, socs[place])
+        volts, warm, soc, amperes = _replayed(best, one.thinned, socs[place])
         kept = one.thinned.kept
         rows["file"] += [place] * len(kept)
         rows["time_s"] += one.series.time_s[kept].tolist()
         rows["current_a"] += one.series.current_a[kept].tolist()
+        rows["simulated_a"] += amperes.tolist()
         rows["measured_v"] += one.series.voltage_v[kept].tolist()
         rows["simulated_v"] += volts.tolist()
         rows["measured_c"] += [None if np.isnan(t) else t for t in one.series.temperature_c[kept].tolist()]
@@ -214,6 +224,8 @@ def _numbers(found: Fitted, errors: Sequence[tuple[Any, ...]], valid: Mapping[st
         "held_out_voltage_rmse_v": rmse("held out", "voltage"),
         "fit_temperature_rmse_k": rmse("fit", "temperature"),
         "held_out_temperature_rmse_k": rmse("held out", "temperature"),
+        "fit_current_rmse_a": rmse("fit", "current"),
+        "held_out_current_rmse_a": rmse("held out", "current"),
         "unknowns": len(found.result.vector),
         "rows": found.certainty.rows,
         "effective_rows": found.certainty.effective,

@@ -37,6 +37,11 @@ def _summary(data: ReportData) -> str:
     ]
     if "held_out_voltage_rmse_v" in found:
         said.append(f" and to {1e3 * found['held_out_voltage_rmse_v']:.2f} mV in what was held out, looked at once")
+    if "fit_current_rmse_a" in found:
+        said.append(
+            f"; where the charger held a voltage, that drives the replay, and the current is met to "
+            f"{1e3 * found['fit_current_rmse_a']:.2f} mA"
+        )
     said.append(
         f". {found['unknowns']:.0f} numbers were fitted to {found['rows']:.0f} rows, worth "
         f"{found['effective_rows']:.0f} independent ones, since errors go together from row to row."
@@ -85,7 +90,7 @@ def _errors(data: ReportData) -> ReportTable:
     names = _names(data)
     rows: list[tuple[Cell, ...]] = []
     for row in _rows(data, "own_fit", "errors"):
-        factor, unit = (1e3, "mV") if row["unit"] == "V" else (1.0, str(row["unit"]))
+        factor, unit = (1e3, f"m{row['unit']}") if row["unit"] in ("V", "A") else (1.0, str(row["unit"]))
         sizes = (factor * float(row[name]) for name in ("rmse", "p95", "largest"))
         rows.append((str(row["part"]), names[int(row["file"])], row["quantity"], unit, *sizes, plain(row["at_s"])))
     return ReportTable(
@@ -127,8 +132,8 @@ def _parameters(data: ReportData) -> ReportTable:
     return ReportTable(
         "fitted_parameters",
         "Fitted numbers",
-        "95 % intervals, those of numbers outside tables from profiles; what the measurement leaves open of the numbers "
-        "that keep their priors is in those of the others.",
+        "95 % intervals, those of numbers outside tables from profiles; what the measurement leaves open of the "
+        "numbers that keep their priors is in those of the others.",
         ("number", "SOC", "unit", "start card", "fitted", "from", "to", "how"),
         rows,
     )

@@ -98,6 +98,11 @@ class Fit(Record):
     resistance_points: int = Field(
         default=0, ge=0, le=21, description="points of tabulated resistances; 0: by the data [1]"
     )
+    constant_voltage: Literal["current", "voltage"] = Field(
+        default="current",
+        description="what drives the replay where a charger held the voltage: the measured current, and voltages are "
+        "compared, or that voltage up to the charger's current, and currents are compared",
+    )
     temperature_dependence: Literal["auto", "with", "without"] = Field(
         default="auto", description="activation energies of the resistances; auto: where the file spans 8 K"
     )

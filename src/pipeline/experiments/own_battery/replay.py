@@ -1,5 +1,6 @@
-"""A measured current replayed on the cell circuit: a population of cells at once, row by row of one record.
+"""A measurement replayed on the cell circuit: a population of cells at once, row by row of one record.
 
+What drives it is the measured current or, where a charger held a voltage, that voltage up to the charger's current.
 Between two rows the current is a straight line, and so is the main current. Depth of discharge follows by quadrature,
 every pair exactly for its forcing `R i` taken as a straight line, and one scalar equation a row divides the current
 between the main and the side reaction. The circuit's functions of SOC and temperature are those of the charge engine.
@@ -15,29 +16,21 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from pipeline.cell.circuit import (
-    ENTROPIC,
-    EXCHANGE,
-    FIRST_PAIR,
-    MOST_RELAXATIONS,
-    OPEN_CIRCUIT,
-    REFERENCE_K,
-    SERIES,
-    THERMAL_V_PER_K,
-    Cell,
-    hysteresis_at,
-    side_current,
+from pipeline.cell.circuit import MOST_RELAXATIONS, Cell
+from pipeline.experiments.own_battery.interval import (
+    ROWS,
+    SAVED,
+    VALUE,
+    advance,
+    at_once,
+    pair_heat,
+    point_heat,
+    series_ohm,
 )
-from pipeline.cell.curves import factor_and_slope, value_and_slope
 from pipeline.jit import inlined, kernel
 
 Array = NDArray[np.float64]
-LEAST_DEPTH = 1e-9
-"""Where 1 - SOC is held for the curves when a current asks for more than full."""
-_ITERATIONS = 60
-# Rows of the scratch, a column for each relaxation: value, forcing, resistance at both ends of an interval; what is
-# left of a value, and what a forcing straight in time adds by its start and by its end; the length these hold for.
-_VALUE, _FORCING, _OHM, _END_OHM, _LEFT, _BY_START, _BY_END, _LENGTH, _BEFORE, _ROWS = range(10)
+_MOST_SECANTS, _NEAR_V = 60, 1e-9
 
 
 class Drive(NamedTuple):
@@ -50,6 +43,8 @@ class Drive(NamedTuple):
     read_a : current with which the row's voltage was read, for the drop at the series resistance [A].
     ambient_k : temperature of the surroundings [K].
     given_k : temperature imposed on the cell [K]; NaN: that of its own heat.
+    held_v : voltage held from the row before to the row [V]; NaN: the current is given.
+    limit_a : current up to which it is held, with its sign [A]; a charger that holds a voltage takes nothing back.
     """
 
     time_s: Array
@@ -58,14 +53,17 @@ class Drive(NamedTuple):
     read_a: Array
     ambient_k: Array
     given_k: Array
+    held_v: Array
+    limit_a: Array
 
 
 class Replay(NamedTuple):
-    """Voltage of the battery [V], temperature [K] and 1 - SOC, shape (n, m) each."""
+    """Voltage of the battery [V], temperature [K], 1 - SOC and current [A], shape (n, m) each."""
 
     voltage_v: Array
     temperature_k: Array
     depth: Array
+    current_a: Array
 
 
 def replays(cells: NDArray[Any], soc: Array, start_k: Array, drive: Drive) -> Replay:
@@ -78,7 +76,7 @@ def replays(cells: NDArray[Any], soc: Array, start_k: Array, drive: Drive) -> Re
     drive : the record, m rows.
     """
     count, rows = len(cells), len(drive.time_s)
-    found = Replay(*(np.empty((count, rows)) for _ in range(3)))
+    found = Replay(*(np.empty((count, rows)) for _ in range(4)))
     parts = min(count, len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else 1)
     edges = np.linspace(0, count, parts + 1).astype(int)
 
@@ -96,7 +94,7 @@ def replays(cells: NDArray[Any], soc: Array, start_k: Array, drive: Drive) -> Re
 
 
 def _scratch() -> Array:
-    return np.zeros((_ROWS, MOST_RELAXATIONS))
+    return np.zeros((ROWS, MOST_RELAXATIONS))
 
 
 @kernel
@@ -110,15 +108,18 @@ def _population(
     read_a: Array,
     ambient_k: Array,
     given_k: Array,
+    held_v: Array,
+    limit_a: Array,
     voltage_v: Array,
     temperature_k: Array,
     depth: Array,
+    current_a: Array,
     scratch: Array,
 ) -> None:
     for j in range(len(cells)):
         _follow(
-            cells[j], soc[j], start_k[j], time_s, before_a, after_a, read_a, ambient_k, given_k,
-            voltage_v[j], temperature_k[j], depth[j], scratch,
+            cells[j], soc[j], start_k[j], time_s, before_a, after_a, read_a, ambient_k, given_k, held_v, limit_a,
+            voltage_v[j], temperature_k[j], depth[j], current_a[j], scratch,
         )  # fmt: skip
 
 
@@ -133,9 +134,12 @@ def _follow(
     read_a: Array,
     ambient_k: Array,
     given_k: Array,
+    held_v: Array,
+    limit_a: Array,
     voltage_v: Array,
     temperature_k: Array,
     depth: Array,
+    current_a: Array,
     scratch: Array,
 ) -> None:
     """Follow one cell through a record."""
@@ -143,23 +147,30 @@ def _follow(
     if not math.isnan(given_k[0]):
         kelvin = given_k[0]
     scratch[:] = 0.0
-    main, side, node, eta = _at_once(cell, scratch, x, kelvin, zone, before_a[0], before_a[0])
-    ohm = _series(cell, x, kelvin)
+    main, side, node, eta = at_once(cell, scratch, x, kelvin, zone, before_a[0], before_a[0])
+    ohm, flowing = series_ohm(cell, x, kelvin), before_a[0]
     voltage_v[0], temperature_k[0], depth[0] = cell.cells * (node + ohm * read_a[0]), kelvin, x
+    current_a[0] = read_a[0]
     for row in range(1, len(time_s)):
-        length = time_s[row] - time_s[row - 1]
-        first_a, last_a = after_a[row - 1], before_a[row]
-        main, side, node, eta = _at_once(cell, scratch, x, kelvin, zone, first_a, main)
+        length, held = time_s[row] - time_s[row - 1], not math.isnan(held_v[row])
+        first_a, last_a, read = after_a[row - 1], before_a[row], read_a[row]
+        if held:
+            # What flows at the voltage from the start on: that of the row before, but where the voltage sets in.
+            wanted = held_v[row] / cell.cells
+            first_a = _at_voltage(cell, scratch, x, kelvin, zone, flowing, main, 0.0, wanted, limit_a[row])
+        main, side, node, eta = at_once(cell, scratch, x, kelvin, zone, first_a, main)
         start_x, start_kelvin, start_main, start_side = x, kelvin, main, side
-        start_w = _point_heat(cell, x, kelvin, zone, main, side, node, eta)
+        start_w = point_heat(cell, x, kelvin, zone, main, side, node, eta)
         if length > 0.0:
             kelvin = start_kelvin + length * rising if math.isnan(given_k[row]) else given_k[row]
-            x, zone, main, side, node, eta = _advance(cell, scratch, x, kelvin, zone, main, last_a, length)
-            end_w = _point_heat(cell, x, kelvin, zone, main, side, node, eta)
-            heat_w = 0.5 * (start_w + end_w) + _pair_heat(
+            if held:
+                last_a = _at_voltage(cell, scratch, x, kelvin, zone, first_a, main, length, wanted, limit_a[row])
+            x, zone, main, side, node, eta = advance(cell, scratch, x, kelvin, zone, main, last_a, length)
+            end_w = point_heat(cell, x, kelvin, zone, main, side, node, eta)
+            heat_w = 0.5 * (start_w + end_w) + pair_heat(
                 cell, scratch, start_x, x, start_kelvin, kelvin, start_main, main, start_side, side, length
             )
-            old_ohm, ohm = ohm, _series(cell, x, kelvin)
+            old_ohm, ohm = ohm, series_ohm(cell, x, kelvin)
             heat_w += 0.5 * (old_ohm + ohm) * (first_a * first_a + first_a * last_a + last_a * last_a) / 3.0
             around = 0.5 * (ambient_k[row - 1] + ambient_k[row])
             if math.isnan(given_k[row]):
@@ -168,213 +179,62 @@ def _follow(
                 kelvin = settled + (start_kelvin - settled) * math.exp(-length / tau)
                 rising = (kelvin - start_kelvin) / length
         else:
-            main, side, node, eta = _at_once(cell, scratch, x, kelvin, zone, last_a, main)
-            ohm = _series(cell, x, kelvin)
-        voltage_v[row], temperature_k[row], depth[row] = cell.cells * (node + ohm * read_a[row]), kelvin, x
+            main, side, node, eta = at_once(cell, scratch, x, kelvin, zone, last_a, main)
+            ohm = series_ohm(cell, x, kelvin)
+        flowing = last_a
+        read = last_a if held else read
+        voltage_v[row], temperature_k[row], depth[row] = cell.cells * (node + ohm * read), kelvin, x
+        current_a[row] = read
 
 
 @inlined
-def _inside(x: float) -> float:
-    return min(max(x, LEAST_DEPTH), 1.0)
-
-
-@inlined
-def _series(cell: Cell, x: float, kelvin: float) -> float:
-    return float(value_and_slope(cell, SERIES, _inside(x))[0] * factor_and_slope(cell, 0, kelvin)[0])
-
-
-@inlined
-def _pair(cell: Cell, k: int, x: float, kelvin: float) -> tuple[float, float]:
-    """Return the resistance of a pair, the acceptance pair being the last, and its slope with x."""
-    factor = factor_and_slope(cell, 1 + k, kelvin)[0]
-    if k == cell.pairs:
-        ohm = cell.acceptance_ohm / x * factor
-        return ohm, -ohm / x
-    ohm, slope = value_and_slope(cell, FIRST_PAIR + k, x)
-    return ohm * factor, slope * factor
-
-
-@inlined
-def _transfer(cell: Cell, x: float, kelvin: float, main: float) -> tuple[float, float, float]:
-    """Return the overpotential of the main reaction and its slopes with current and x."""
-    if cell.transfer == 0:
-        return 0.0, 0.0, 0.0
-    exchange, exchange_slope = value_and_slope(cell, EXCHANGE, x)
-    scale = 2.0 * THERMAL_V_PER_K * kelvin
-    with_current = scale / math.hypot(main, 2.0 * exchange)
-    return (
-        scale * math.asinh(main / (2.0 * exchange)),
-        with_current,
-        -with_current * main / exchange * exchange_slope,
-    )
-
-
-@kernel
-def _at_once(
-    cell: Cell, scratch: Array, x: float, kelvin: float, zone: float, total: float, guess: float
-) -> tuple[float, float, float, float]:
-    """Divide a current at one moment, the pairs as they are: main and side current, node voltage, overpotential."""
-    inside = _inside(x)
-    slow = value_and_slope(cell, OPEN_CIRCUIT, inside)[0] + zone
-    slow += value_and_slope(cell, ENTROPIC, inside)[0] * (kelvin - REFERENCE_K)
-    for k in range(cell.pairs + cell.acceptance):
-        slow += scratch[_VALUE, k]
-    if cell.side == 0:
-        eta = _transfer(cell, inside, kelvin, total)[0]
-        return total, 0.0, slow + eta, eta
-    main = guess if cell.transfer == 1 else total
-    eta, side = 0.0, 0.0
-    for _ in range(_ITERATIONS):
-        eta, eta_slope, _by_depth = _transfer(cell, inside, kelvin, main)
-        side, side_slope = side_current(cell, slow + eta, kelvin)
-        if cell.transfer == 0:
-            main = total - side
-            break
-        change = (main + side - total) / (1.0 + side_slope * eta_slope)
-        main -= change
-        if abs(change) <= 1e-12 * (abs(total) + 1e-6):
-            break
-    return main, side, slow + eta, eta
-
-
-@kernel
-def _weigh(cell: Cell, scratch: Array, length: float) -> None:
-    """Write the weights of an interval of some length for every relaxation."""
-    scratch[_LENGTH, 0] = length
-    for k in range(cell.relaxations):
-        z = length / cell.tau_s[k]
-        gone = -math.expm1(-z)
-        scratch[_LEFT, k] = 1.0 - gone
-        scratch[_BY_START, k] = gone / z - (1.0 - gone)
-        scratch[_BY_END, k] = 1.0 - gone / z
-
-
-@kernel
-def _advance(
+def _voltage(
     cell: Cell, scratch: Array, x: float, kelvin: float, zone: float, main: float, total: float, length: float
-) -> tuple[float, float, float, float, float, float]:
-    """Take one interval; the scratch's values become those of its end, its forcings are written.
-
-    Returns
-    -------
-    1 - SOC, hysteresis [V], main and side current [A], node voltage [V] and overpotential [V] at the end.
-    """
-    relaxing = cell.pairs + cell.acceptance
-    if scratch[_LENGTH, 0] != length:
-        _weigh(cell, scratch, length)
-    start_inside = _inside(x)
-    for k in range(relaxing):
-        ohm = _pair(cell, k, start_inside, kelvin)[0]
-        scratch[_OHM, k], scratch[_FORCING, k], scratch[_BEFORE, k] = ohm, ohm * main, scratch[_VALUE, k]
-        scratch[_VALUE, k] = scratch[_LEFT, k] * scratch[_VALUE, k] + scratch[_BY_START, k] * ohm * main
-    start = main
-    # A straight line where 1 - SOC moves little; where it would be used up, the end alone, which cannot swing.
-    share = abs(start) * length * cell.per_as / max(x, LEAST_DEPTH)
-    by_end = 0.5 + 0.5 * min(1.0, share * share) if cell.side == 1 else 0.5
-    first, last = (1.0 - by_end) * length * cell.per_as, by_end * length * cell.per_as
-    most = (x - first * start) / last
-    ends = total if cell.side == 0 else min(main, total)
-    low, high = -math.inf, most
-    end_x = x
-    side, node, eta = 0.0, 0.0, 0.0
-    for _ in range(_ITERATIONS):
-        end_x = x - first * start - last * ends
-        inside = _inside(end_x)
-        moved = -last if inside == end_x else 0.0
-        open_v, open_slope = value_and_slope(cell, OPEN_CIRCUIT, inside)
-        entropy, entropy_slope = value_and_slope(cell, ENTROPIC, inside)
-        warmer = kelvin - REFERENCE_K
-        eta, eta_slope, eta_by_depth = _transfer(cell, inside, kelvin, ends)
-        node = open_v + entropy * warmer + eta
-        slope = eta_slope + (open_slope + entropy_slope * warmer + eta_by_depth) * moved
-        if cell.hysteresis == 1:
-            held, held_slope = hysteresis_at(cell, zone, end_x - x)
-            node += held
-            slope += held_slope * moved
-        for k in range(relaxing):
-            ohm, ohm_slope = _pair(cell, k, inside, kelvin)
-            scratch[_END_OHM, k] = ohm
-            weight = scratch[_BY_END, k]
-            value = scratch[_VALUE, k] + weight * ohm * ends
-            if k == cell.pairs and value < 0.0:
-                continue
-            node += value
-            slope += weight * (ohm + ohm_slope * moved * ends)
-        if cell.side == 0:
-            break
-        side, side_slope = side_current(cell, node, kelvin)
-        missed = ends + side - total
-        if missed > 0.0:
-            high = min(high, ends)
-        else:
-            low = max(low, ends)
-        change = missed / (1.0 + side_slope * slope)
-        if abs(change) <= 1e-12 * (abs(total) + 1e-6):
-            break
-        ends -= change
-        if not low < ends < high:
-            ends = 0.5 * (low + high) if math.isfinite(low) and math.isfinite(high) else ends
-            if not ends < most:
-                ends = 0.5 * (most + min(start, total))
-    for k in range(relaxing):
-        scratch[_VALUE, k] += scratch[_BY_END, k] * scratch[_END_OHM, k] * ends
-        if k == cell.pairs:
-            scratch[_VALUE, k] = max(scratch[_VALUE, k], 0.0)
-    held = hysteresis_at(cell, zone, end_x - x)[0] if cell.hysteresis == 1 else zone
-    return end_x, held, ends, side, node, eta
-
-
-@kernel
-def _point_heat(
-    cell: Cell, x: float, kelvin: float, zone: float, main: float, side: float, node: float, eta: float
 ) -> float:
-    """Return the heat of one cell at a moment without that of its series resistance and pairs [W]."""
-    inside = _inside(x)
-    entropy = value_and_slope(cell, ENTROPIC, inside)[0]
-    if cell.thermoneutral == 1:
-        open_v = value_and_slope(cell, OPEN_CIRCUIT, inside)[0] + entropy * (kelvin - REFERENCE_K)
-        reversible = main * (open_v - cell.thermoneutral_v)
+    """Return the voltage of one cell at the end of an interval with a current there, the pairs left as they were."""
+    for k in range(cell.relaxations):
+        scratch[SAVED, k] = scratch[VALUE, k]
+    if length > 0.0:
+        x, _zone, _main, _side, node, _eta = advance(cell, scratch, x, kelvin, zone, main, total, length)
     else:
-        reversible = main * kelvin * entropy
-    held = zone if cell.hysteresis == 1 else 0.0
-    return float(reversible + (eta + held) * main + side * (node - cell.gas_v))
+        _main, _side, node, _eta = at_once(cell, scratch, x, kelvin, zone, total, main)
+    for k in range(cell.relaxations):
+        scratch[VALUE, k] = scratch[SAVED, k]
+    return float(node + series_ohm(cell, x, kelvin) * total)
 
 
 @kernel
-def _pair_heat(
+def _at_voltage(
     cell: Cell,
     scratch: Array,
-    start_x: float,
-    end_x: float,
-    start_k: float,
-    end_k: float,
-    start_main: float,
-    end_main: float,
-    start_side: float,
-    end_side: float,
+    x: float,
+    kelvin: float,
+    zone: float,
+    guess: float,
+    main: float,
     length: float,
+    wanted: float,
+    limit: float,
 ) -> float:
-    """Return the mean heat of one cell's pairs and of recombining gas over an interval [W].
+    """Return the current at which one cell has a voltage at the end of an interval, between none and a limit.
 
-    What goes into a pair, mean current times mean voltage, less the change of its store C v^2 / 2; the mean voltage
-    follows from the pair's own equation. The gas works the same way, and its state is moved on here.
+    The voltage rises with the current: secants inside what is bracketed, halved where these leave it.
     """
-    heat = 0.0
-    mean_a = 0.5 * (start_main + end_main)
-    for k in range(cell.pairs + cell.acceptance):
-        tau, first, last = cell.tau_s[k], scratch[_OHM, k], scratch[_END_OHM, k]
-        if first <= 0.0 or last <= 0.0:
-            continue
-        before, after = scratch[_BEFORE, k], scratch[_VALUE, k]
-        mean_v = 0.5 * (scratch[_FORCING, k] + last * end_main) - (after - before) * tau / length
-        if k == cell.pairs and after == 0.0:
-            # Discharged on the way and held there: straight down to nothing.
-            mean_v = 0.5 * before
-        heat += mean_a * mean_v - 0.5 * tau * (after * after / last - before * before / first) / length
-    if cell.recombination == 1:
-        k = cell.relaxations - 1
-        before = scratch[_VALUE, k]
-        after = scratch[_LEFT, k] * before + scratch[_BY_START, k] * start_side + scratch[_BY_END, k] * end_side
-        heat += cell.gas_v * (0.5 * (start_side + end_side) - (after - before) * cell.tau_s[k] / length)
-        scratch[_VALUE, k] = after
-    return heat
+    low, high = min(0.0, limit), max(0.0, limit)
+    old = min(max(guess, low), high)
+    old_v = _voltage(cell, scratch, x, kelvin, zone, main, old, length) - wanted
+    new = min(max(old - old_v / (4.0 * series_ohm(cell, x, kelvin) + 1e-9), low), high)
+    for _ in range(_MOST_SECANTS):
+        if new == old or abs(old_v) < _NEAR_V:
+            break
+        new_v = _voltage(cell, scratch, x, kelvin, zone, main, new, length) - wanted
+        if new_v > 0.0:
+            high = min(high, new)
+        else:
+            low = max(low, new)
+        slope = (new_v - old_v) / (new - old)
+        old, old_v = new, new_v
+        new = old - old_v / slope if slope > 0.0 else 0.5 * (low + high)
+        if not low <= new <= high:
+            new = 0.5 * (low + high)
+    return old

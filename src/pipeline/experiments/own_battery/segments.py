@@ -224,6 +224,25 @@ def thinned(series: Series, ambient_c: float, rows: int = 2500) -> Thinned:
     return _thinned(series, np.array(kept), ambient_c)
 
 
+def with_held_voltages(series: Thinned, found: Sequence[Segment], volts: Array) -> Thinned:
+    """Return a measurement that the held voltage drives, not the current, where a charger held one.
+
+    Arguments
+    ---------
+    found : the segments of its series; `volts` : all voltages of that [V].
+    """
+    held, limit = series.drive.held_v.copy(), series.drive.limit_a.copy()
+    for one in found:
+        if one.kind == CONSTANT_VOLTAGE:
+            own = (series.kept > one.first) & (series.kept <= one.last)
+            held[own] = float(np.mean(volts[one.first : one.last + 1]))
+            # The charger's limit is what flowed when the voltage was reached.
+            reached = (series.kept >= one.first - 1) & (series.kept <= one.last)
+            flowed = series.drive.read_a[reached]
+            limit[own] = flowed[int(np.argmax(np.abs(flowed)))]
+    return series._replace(drive=series.drive._replace(held_v=held, limit_a=limit))
+
+
 def _smooth(values: Array) -> Array:
     """Return the means of values over a few rows on both sides."""
     half = min(_SMOOTHED, (len(values) - 1) // 2)
@@ -254,6 +273,8 @@ def _thinned(series: Series, kept: NDArray[np.int64], ambient_c: float) -> Thinn
         read_a=current[kept],
         ambient_k=around,
         given_k=np.full(len(kept), np.nan),
+        held_v=np.full(len(kept), np.nan),
+        limit_a=np.zeros(len(kept)),
     )
     first = series.temperature_c[: _first_rows(series)]
     known = first[~np.isnan(first)]

@@ -198,7 +198,7 @@ def _of_blocks(problem: Problem, vector: Array, fold: int) -> dict[tuple[int, in
     """Return the error of the voltage of every block of a fold [V]: runs of rows that are left out together."""
     found = {}
     for place, (one, part) in enumerate(zip(problem.replayed(vector[None]), problem.parts, strict=True)):
-        rows = np.flatnonzero(part.fold == fold)
+        rows = np.flatnonzero((part.fold == fold) & np.isnan(part.thinned.drive.held_v))
         missed = one.voltage_v[0, rows] - part.thinned.voltage_v[rows]
         for run in np.split(np.arange(len(rows)), np.flatnonzero(np.diff(rows) > 1) + 1):
             if len(run):
@@ -232,20 +232,22 @@ def compare(
     warm = any(not np.isnan(part.thinned.temperature_k).all() for part in parts)
     tried = []
     cells = candidates[0].battery.cells
-    spread = Spread(0.01 * cells, 0.5)
+    # Currents at a held voltage count by a fiftieth of what the charger gave.
+    largest = max(float(np.max(np.abs(part.thinned.drive.read_a))) for part in parts)
+    spread = Spread(0.01 * cells, 0.5, 0.02 * largest)
     for one in candidates:
         model = unknowns_of(one.battery, soc, rows_s, warm, ranges, known)
-        whole = Problem(model, parts, Spread(0.01 * cells, 0.5), ridge=True)
+        whole = Problem(model, parts, spread, ridge=True)
         begin = None
         if warm:
-            imposed = Problem(model, [_imposed(part) for part in parts], Spread(0.01 * cells, 0.5), ridge=True)
+            imposed = Problem(model, [_imposed(part) for part in parts], spread, ridge=True)
             begin = solve(imposed, robust=fit.robust_scale, most=15).vector
         found = solve(whole, begin, fit.robust_scale, 25)
         errors: dict[tuple[int, int], float] = {}
         for fold in range(fit.folds):
             if not any((part.fold == fold).any() for part in parts):
                 continue
-            left = Problem(model, parts, Spread(0.01 * cells, 0.5), leave=fold, ridge=True)
+            left = Problem(model, parts, spread, leave=fold, ridge=True)
             errors |= _of_blocks(left, solve(left, found.vector, fit.robust_scale, 10).vector, fold)
         blocks = np.array([errors[block] for block in sorted(errors)])
         seen_v = rmse_v(whole, found.vector, [part.seen for part in parts])

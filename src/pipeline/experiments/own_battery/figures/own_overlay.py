@@ -52,6 +52,8 @@ def draw(figure: FigureCard, data: ReportData) -> Figure:
     fields[1].set(ylabel="Simulated less\nmeasured [mV]", ylim=(-reach, reach))
     fields[1].axhline(0.0, color=style.GREY, linewidth=0.8)
     fields[2].plot(hours, rows["current_a"], color=measured.colour, linewidth=1.0)
+    if not np.array_equal(rows["current_a"], rows["simulated_a"]):
+        fields[2].plot(hours, rows["simulated_a"], color=style.MARKS[1].colour, linewidth=1.0)
     fields[2].set_ylabel("Current [A]")
     warm = np.array([np.nan if value is None else value for value in rows["measured_c"].tolist()], dtype=float)
     if not np.isnan(warm).all():
