@@ -6,7 +6,7 @@ CORES ?= 2
 
 .PHONY: all test test-slow test-struck test-browser browser-setup lint bench bench-slow faults faults-short fuzz \
 	fuzz-short validate accuracy reproduce reproduce-generic expected own-battery-proof setup setup-dev setup-docs \
-	docs lock clean help
+	setup-slurm docs lock clean help
 
 all: setup ## run every study: results/ and reports/
 	$(BIN)/snakemake --cores $(CORES) all
@@ -94,11 +94,22 @@ setup-docs: .venv-docs/.made
 	.venv-docs/bin/python -m pip install --quiet --disable-pip-version-check --require-hashes -r requirements-docs.lock
 	touch $@
 
+setup-slurm: .venv-slurm/.made ## .venv-slurm: the runtime packages and what submits to Slurm (docs/clusters.md)
+
+.venv-slurm/.made: requirements.lock requirements-slurm.lock pyproject.toml
+	test -x .venv-slurm/bin/python || $(PYTHON) -m venv .venv-slurm
+	.venv-slurm/bin/python -m pip install --quiet --disable-pip-version-check --require-hashes -r requirements.lock
+	.venv-slurm/bin/python -m pip install --quiet --disable-pip-version-check --no-deps --require-hashes -r requirements-slurm.lock
+	.venv-slurm/bin/python -m pip install --quiet --disable-pip-version-check --no-deps --no-build-isolation --editable .
+	touch $@
+
 lock: ## renew the lock files (needs uv)
 	uv pip compile --quiet --no-header --no-annotate --generate-hashes --python-version 3.11 \
 		pyproject.toml --extra build -o requirements.lock
 	uv pip compile --quiet --no-header --no-annotate --generate-hashes --python-version 3.11 \
 		pyproject.toml --extra build --extra dev -c requirements.lock -o requirements-dev.lock
+	printf 'snakemake-executor-plugin-slurm\nsnakemake-executor-plugin-slurm-jobstep\n' | uv pip compile --quiet \
+		--no-header --no-annotate --generate-hashes --python-version 3.11 --no-deps - -o requirements-slurm.lock
 
 clean: ## remove what runs made; keeps the virtual environment
 	chmod -R u+w results reports 2>/dev/null || true

@@ -19,6 +19,10 @@ for step, declared in flow.steps().items():
         benchmark:
             flow.benchmark(step)
         priority: declared["priority"]
+        threads: lambda wildcards: flow.takes(wildcards.chunk, "threads")
+        resources:
+            mem_mb=takes("mem_mb"),
+            runtime=takes("runtime"),
         params:
             command=command(step, declared["rule"]),
         message:

@@ -25,6 +25,9 @@ for path, chunk in flow.files().items():
             ),
         log:
             flow.log("publish").format(chunk=chunk),
+        resources:
+            mem_mb=flow.takes(chunk, "mem_mb"),
+            runtime=flow.takes(chunk, "runtime"),
         params:
             command=flow.command("publish", chunk),
         message:

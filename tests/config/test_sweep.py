@@ -140,3 +140,10 @@ def test_names_of_other_runs_are_told_apart_by_a_digest(word: str) -> None:
     name = naming.run_name([word])
     assert re.fullmatch(r"[A-Za-z0-9_.+=~@-]{1,100}", name)
     assert name != naming.run_name([f"{word}1"])
+
+
+def test_the_work_of_a_job_is_seconds() -> None:
+    assert asked(["sweep.job_s=30"])[1].job_s == 30
+    for word in ("sweep.job_s=-1", "sweep.job_s=long", "sweep.job_s=true", "sweep.job_s=1e9"):
+        with pytest.raises(UserError, match=r"override sweep\.job_s=.*allowed are seconds from 0 to 86400"):
+            asked([word])

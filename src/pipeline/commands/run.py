@@ -9,9 +9,10 @@ import signal
 import subprocess
 import sys
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from typing import Any
 
-from pipeline.commands import COMMANDS
+from pipeline.commands import COMMANDS, profiles
 from pipeline.commands.progress import shown, through
 from pipeline.commands.terminal import QUIET
 from pipeline.commands.workflow import say, tell
@@ -48,7 +49,8 @@ def main(arguments: Sequence[str]) -> int:
             print(_look(run, options_), end="")
         return 0
     swept = options_.multirun and options_.target == "all"
-    plan = swept_plan(words, options_.cores) if swept else planned(words, options_.multirun)
+    profile = profiles.opened(options_.profile)
+    plan = swept_plan(words, options_.cores, profile) if swept else planned(words, options_.multirun)
     for line in planfile.remarks(plan):
         print(line, file=sys.stderr, flush=True)
     planfile.target(plan, options_.target)
@@ -66,10 +68,10 @@ def main(arguments: Sequence[str]) -> int:
     words += ["--printshellcmds"] * options_.verbose
     words += ["--config", f"plan={file}", "tell=false", *["verify=true"] * options_.verify]
     if options_.dry_run:
-        return snakemake(["--dry-run", *words])
+        return snakemake(["--dry-run", *words], profile=profile)
     publish.own(plan, store.RESULTS)
     with lock.held(store.RESULTS, say) as descriptor:
-        code = _swept(plan, words, descriptor) if swept else snakemake(words, descriptor)
+        code = _swept(plan, words, descriptor, profile) if swept else snakemake(words, descriptor, profile=profile)
         if code == 0:
             # Snakemake itself would say nothing where nothing was to be done.
             for line in tell(plan, [options_.target], store.RESULTS):
@@ -77,12 +79,12 @@ def main(arguments: Sequence[str]) -> int:
     return code
 
 
-def _swept(plan: Mapping[str, Any], words: Sequence[str], descriptor: int | None) -> int:
+def _swept(plan: Mapping[str, Any], words: Sequence[str], descriptor: int | None, profile: profiles.Profile) -> int:
     """Run the workflow of a sweep, showing how far it is."""
     quiet = _QUIET if sys.stderr.isatty() else []
     verbose = "--printshellcmds" in words
     with shown(plan, store.RESULTS) as made:
-        code = snakemake([*words, *([] if verbose else quiet)], descriptor, once=True)
+        code = snakemake([*words, *([] if verbose else quiet)], descriptor, once=True, profile=profile)
     runs, nodes = made.done
     if code:
         say(f"{runs} of {made.runs} runs, {nodes} of {made.nodes} artefacts are kept; the same command goes on there")
@@ -122,27 +124,31 @@ def _look(run: Sequence[str], choices: argparse.Namespace) -> str:
     return looking.shown(run, choices.cfg, choices.package)
 
 
-def swept_plan(words: Sequence[str], cores: str) -> dict[str, Any]:
+def swept_plan(words: Sequence[str], cores: str, profile: profiles.Profile = profiles.DEFAULT) -> dict[str, Any]:
     """Return the plan of a sweep: of every run its charges, of all runs one table.
 
     Arguments
     ---------
-    words : Hydra's overrides, some with several values; `sweep.name=NAME` and `sweep.keep=[...]` are of the sweep.
+    words : Hydra's overrides, some with several values; `sweep.name=NAME`, `sweep.keep=[...]`, `sweep.job_s=S` are
+        of the sweep.
     cores : jobs at a time, as Snakemake takes them.
+    profile : how Snakemake runs them; its jobs at a time and the work of a job go before the cores.
 
     Raises
     ------
     UserError : as `planned`.
     """
-    count = int(cores) if cores.isdecimal() else os.cpu_count() or 1
+    count = profile.jobs or (int(cores) if cores.isdecimal() else os.cpu_count() or 1)
 
     def made() -> dict[str, Any]:
         from pipeline.config.sweep import asked, make_sweep
 
         own, wanted = asked(words)
+        if wanted.job_s is None:
+            wanted = replace(wanted, job_s=profile.job_s)
         return make_sweep(own, wanted, count, through)
 
-    return planfile.remembered(["sweep", str(count), *words], made)
+    return planfile.remembered(["sweep", str(count), str(profile.job_s), *words], made)
 
 
 def _expanded(words: Sequence[str], multirun: bool) -> list[list[str]]:
@@ -155,7 +161,12 @@ def _expanded(words: Sequence[str], multirun: bool) -> list[list[str]]:
     return runs
 
 
-def snakemake(words: Sequence[str], descriptor: int | None = None, once: bool = False) -> int:
+def snakemake(
+    words: Sequence[str],
+    descriptor: int | None = None,
+    once: bool = False,
+    profile: profiles.Profile = profiles.DEFAULT,
+) -> int:
     """Run Snakemake with the project's workflow and profile; return its exit code.
 
     A signal that ends this command is handed on, and Snakemake waited for: it ends its jobs first.
@@ -164,9 +175,10 @@ def snakemake(words: Sequence[str], descriptor: int | None = None, once: bool = 
     ---------
     descriptor : of the lock of the results folder, held for Snakemake too.
     once : Ctrl-C of a terminal reaches Snakemake and its jobs through this command alone, not twice.
+    profile : how Snakemake runs the jobs.
     """
     command = [sys.executable, "-m", "snakemake", "--snakefile", str(place("Snakefile"))]
-    command += ["--profile", str(place("profiles/default")), *words]
+    command += [*profile.words(), *words]
     handed_on = () if descriptor is None else (descriptor,)
     environment = os.environ | ({} if descriptor is None else {lock.HANDED_ON: str(descriptor)})
     group = 0 if once else None
@@ -203,6 +215,11 @@ def _parser(listing: bool) -> argparse.ArgumentParser:
     parser.add_argument("overrides", nargs="*", metavar="key=value", help="Hydra overrides of conf/")
     parser.add_argument("-m", "--multirun", action="store_true", help="sweep over comma-separated values")
     parser.add_argument("-c", "--cores", type=cores, default="2", help="cores Snakemake may use (%(default)s)")
+    parser.add_argument(
+        "--profile",
+        default=profiles.DEFAULT.name,
+        help=f"how the jobs are run: {', '.join(profiles.names())}, or a folder (%(default)s)",
+    )
     parser.add_argument("-n", "--dry-run", action="store_true", help="show what would run")
     parser.add_argument("-F", "--force", action="store_true", help="compute everything again and compare")
     parts = ", ".join(["all", *registry.targets(), "report"])

@@ -47,6 +47,8 @@ CHUNK = "{wildcards.chunk}"
 """How Snakemake's messages name the job."""
 STALE = "~"
 """Behind the name of a chunk whose receipt is there but would be deleted by a run: to a dry run it is missing."""
+BESIDE_MB = 300
+"""Memory of the processes of Snakemake that run a job on another machine [MB]."""
 Purpose = Literal["run", "look", "job"]
 # Options of Snakemake with which it makes nothing.
 _LOOKING = (
@@ -158,6 +160,24 @@ class Workflow:
     def benchmark(self, step: str) -> str:
         """Return the file of times and memory of a step's chunks, with the wildcard `chunk`."""
         return str(self.results / "benchmarks" / step / "{chunk}.tsv")
+
+    def takes(self, chunk: str, what: str, attempt: int = 1, elsewhere: bool = False) -> int:
+        """Return what a job is to be given.
+
+        Arguments
+        ---------
+        what : `threads`, `mem_mb` or `runtime` [min].
+        attempt : of the second on, twice the memory and the time of the one before.
+        elsewhere : not on this machine: with the job run two processes of Snakemake.
+        """
+        found: int = self.plan["chunks"][chunk.removesuffix(STALE)]["resources"][what]
+        if what == "mem_mb" and elsewhere:
+            found += BESIDE_MB
+        return found if what == "threads" else found * 2 ** (attempt - 1)
+
+    def handed_on(self) -> list[str]:
+        """Return the `--config` of the processes that Snakemake starts for jobs elsewhere: the plan."""
+        return [f"plan={self.file}", "tell=false"]
 
     def command(self, step: str, chunk: str, again: bool = False) -> str:
         """Return the shell command of a job.

@@ -30,7 +30,7 @@ def check_effort(composed: Composed, study: Any, made: Sequence[Draft]) -> None:
     ------
     UserError : with what it grows with, what it is likely to take, the limit, and how that is raised.
     """
-    known = [(node, node.effort) for node in made if node.effort is not None]
+    known = [(node, node.effort) for node in made if node.effort is not None and node.effort.grows_with]
     if not known:
         return
     most: float = study.limits.memory_gib * GIB

@@ -34,13 +34,17 @@ class Asked:
     ---------
     name : of its folder; without, one is derived from the swept keys.
     keep : kinds of nodes that it makes on demand (`Step.swept_on_demand`), and `traces`.
+    job_s : work of a job, at least, by estimate [s]; without, that of the profile.
     """
 
     name: str | None = None
     keep: tuple[str, ...] = ()
+    job_s: float | None = None
 
 
 TRACES = "traces"
+DAY_S = 86_400
+"""The most work that the jobs of a sweep may be asked to have, each [s]."""
 _NAME = re.compile(r"[A-Za-z0-9][A-Za-z0-9_.+=-]{0,99}")
 
 
@@ -49,15 +53,17 @@ def asked(words: Sequence[str]) -> tuple[list[str], Asked]:
 
     Raises
     ------
-    UserError : another key than `sweep.name` and `sweep.keep`, or a value that is not allowed there.
+    UserError : another key than `sweep.name`, `sweep.keep` and `sweep.job_s`, or a value that is not allowed there.
     """
     own, given = [], dict[str, Any]()
     for word in words:
         key = word.split("=", 1)[0]
         if key.split(".")[0].lstrip("+") != "sweep":
             own.append(word)
-        elif key not in ("sweep.name", "sweep.keep"):
-            raise UserError(f"override {told(word)}: a sweep has sweep.name=NAME and sweep.keep=[...] alone")
+        elif key not in ("sweep.name", "sweep.keep", "sweep.job_s"):
+            raise UserError(
+                f"override {told(word)}: a sweep has sweep.name=NAME, sweep.keep=[...] and sweep.job_s=SECONDS alone"
+            )
         else:
             given[key] = word, parse([word])[0].value()
     word, name = given.get("sweep.name", ("", None))
@@ -69,7 +75,10 @@ def asked(words: Sequence[str]) -> tuple[list[str], Asked]:
     for one in keep:
         if one not in known:
             raise UserError(f"override {told(word)}: {one!r} is nothing to keep; {best_matches(str(one), known)}")
-    return own, Asked(None if name is None else str(name), tuple(keep))
+    word, job_s = given.get("sweep.job_s", ("", None))
+    if job_s is not None and (isinstance(job_s, bool) or not isinstance(job_s, int | float) or not 0 <= job_s <= DAY_S):
+        raise UserError(f"override {told(word)}: no work of a job; allowed are seconds from 0 to {DAY_S}")
+    return own, Asked(None if name is None else str(name), tuple(keep), job_s)
 
 
 def make_sweep(words: Sequence[str], asked: Asked, cores: int, watch: Watch = lambda runs: runs) -> dict[str, Any]:
@@ -95,7 +104,7 @@ def make_sweep(words: Sequence[str], asked: Asked, cores: int, watch: Watch = la
         studies.setdefault(made.study, _Gathered([])).runs.append((run, values, made))
     command = f"python -m pipeline -m {shlex.join(words)}"
     found = [_sweep(study, gathered, asked, command, planner) for study, gathered in studies.items()]
-    return sweeps.make(found, cores)
+    return sweeps.make(found, cores, asked.job_s or 0.0)
 
 
 @dataclass(frozen=True)

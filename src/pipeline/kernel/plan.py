@@ -7,21 +7,22 @@ are the same node, whichever run asked for them.
 from __future__ import annotations
 
 import sys
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cache
 from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
-from pipeline.kernel import digest, places, registry
+from pipeline.kernel import digest, footprint, places, registry
 from pipeline.kernel.code import of_code
 from pipeline.kernel.draft import behind
 from pipeline.kernel.errors import UserError
-from pipeline.kernel.experiment import Draft
+from pipeline.kernel.experiment import Draft, Effort
 from pipeline.kernel.planfile import VERSION
 
 PUBLISH_SIZE = 32
+PUBLISHING = footprint.Footprint(memory_mb=100.0, start_s=1.0, node_s=2.0)
 _CODE = "src/pipeline/"
 PYTHON = f"{sys.version_info.major}.{sys.version_info.minor}"
 """What of the interpreter's version is part of every key."""
@@ -106,8 +107,7 @@ def make(runs: Sequence[Run], asked: Collection[str] = ()) -> dict[str, Any]:
     for path, file in files.items():
         maker = {key: name for name, chunk in chunks.items() for key in chunk.get("nodes", ())}
         chunk = chunk_name([[Path(path).name]], [path, described[file["run"]]["digest"]])
-        needed = [maker[file["key"]]]
-        chunks[chunk] = {"step": "publish", "part": path, "runs": [file["run"]], "steps": [], "needs": needed}
+        chunks[chunk] = publishing(path, [], [file["run"]], [maker[file["key"]]])
         targets[path] = [chunk]
     return {
         "version": VERSION,
@@ -230,9 +230,11 @@ def _jobs(
 ) -> tuple[dict[str, dict[str, Any]], dict[str, list[str]]]:
     """Group the nodes of each step into jobs, by their order in the plan alone; then the jobs that publish them."""
     labels: dict[str, list[str]] = {}
+    efforts: dict[str, Effort | None] = {}
     for run in runs:
         for node in run.nodes:
             labels.setdefault(run.keys[node.name], []).append(node.label)
+            efforts[run.keys[node.name]] = node.effort
     chunks: dict[str, dict[str, Any]] = {}
     maker: dict[str, str] = {}
     groups = [([key for key in keys if key in nodes], sweep) for keys, sweep in _together(runs)]
@@ -243,7 +245,8 @@ def _jobs(
             for batch in evenly(own, in_sweep if sweep else alone):
                 needs = {maker[key] for node in batch for key in nodes[node]["inputs"].values()}
                 name = chunk_name([labels[key] for key in batch], batch)
-                chunks[name] = {"step": step.name, "nodes": batch, "needs": sorted(needs)}
+                resources = footprint.resources(footprint.of_step(step), [efforts[key] for key in batch])
+                chunks[name] = {"step": step.name, "nodes": batch, "needs": sorted(needs), "resources": resources}
                 maker.update(dict.fromkeys(batch, name))
     if not published:
         return chunks, {}
@@ -305,8 +308,14 @@ class _Publishing:
             labels = [[f"{run.study}.{run.name}.{part}"] for run in batch]
             name = chunk_name(labels, [part, *(self.described[number]["digest"] for number in numbers)])
             needed = sorted({self.maker[key] for key in keys})
-            found[name] = {"step": "publish", "part": part, "steps": list(steps), "runs": numbers, "needs": needed}
+            found[name] = publishing(part, steps, numbers, needed)
         return found
+
+
+def publishing(part: str, steps: Iterable[str], runs: Sequence[int], needs: Sequence[str]) -> dict[str, Any]:
+    """Return a job that shows what some steps made for some runs, as the plan holds it."""
+    found = {"step": "publish", "part": part, "steps": list(steps), "runs": list(runs), "needs": list(needs)}
+    return found | {"resources": footprint.resources(PUBLISHING, [None])}
 
 
 def chunk_name(labels: Sequence[Sequence[str]], identity: Sequence[str]) -> str:

@@ -14,7 +14,7 @@ from pipeline.kernel import digest, kept, places, store
 from pipeline.kernel.errors import UserError
 from pipeline.kernel.last_resort import remedy
 
-VERSION = 4
+VERSION = 5
 _MOST_KEPT = 64
 _DIGEST = re.compile("[0-9a-f]{16}")
 

@@ -7,10 +7,11 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
+from math import ceil
 from typing import Any
 
-from pipeline.kernel import digest, plan, registry
-from pipeline.kernel.experiment import Draft
+from pipeline.kernel import digest, footprint, plan, registry
+from pipeline.kernel.experiment import Draft, Effort, Step
 from pipeline.kernel.planfile import VERSION
 
 FOLDER = "sweeps"
@@ -60,23 +61,25 @@ class Sweep:
     remarks: tuple[str, ...] = ()
 
 
-def make(sweeps: Sequence[Sweep], cores: int) -> dict[str, Any]:
+def make(sweeps: Sequence[Sweep], cores: int, job_s: float = 0.0) -> dict[str, Any]:
     """Join the sweeps of several studies into a plan.
 
     Arguments
     ---------
     cores : jobs at a time; twice as many jobs at least share the nodes of a swept step.
+    job_s : work of a job, at least, by estimate, where there are nodes enough: it goes before the number of jobs [s].
     """
     parts = _Parts()
     nodes: dict[str, dict[str, Any]] = {}
     labels: dict[str, str] = {}
+    efforts = {key: node.effort for sweep in sweeps for key, node in sweep.nodes.items()}
     described = []
     for sweep in sweeps:
         for key, node in sweep.nodes.items():
             nodes[key] = {"step": node.step, "parts": parts.of(node.settings), "inputs": dict(sweep.inputs[key])}
             labels[key] = node.label
-        described.append(_described(sweep, nodes, labels))
-    chunks, targets = _jobs(described, nodes, labels, cores)
+        described.append(_described(sweep, nodes, labels, efforts))
+    chunks, targets = _jobs(described, nodes, labels, efforts, cores, job_s)
     return {
         "version": VERSION,
         "runs": described,
@@ -106,7 +109,9 @@ class _Parts:
         return found
 
 
-def _described(sweep: Sweep, nodes: dict[str, dict[str, Any]], labels: dict[str, str]) -> dict[str, Any]:
+def _described(
+    sweep: Sweep, nodes: dict[str, dict[str, Any]], labels: dict[str, str], efforts: dict[str, Effort | None]
+) -> dict[str, Any]:
     """Return a sweep as the plan holds it, as a run; its closing nodes are put to the others."""
     keys = {f"{run.name}/{name}": key for run in sweep.runs for name, key in run.keys.items()}
     view = [
@@ -119,7 +124,7 @@ def _described(sweep: Sweep, nodes: dict[str, dict[str, Any]], labels: dict[str,
         key = plan.key_of(node, keys, plan.fixed(node))
         inputs = {name: keys[maker] for name, maker in node.inputs.items()}
         nodes[key] = {"step": node.step, "settings": node.settings, "inputs": inputs}
-        labels[key] = node.label
+        labels[key], efforts[key] = node.label, node.effort
         keys[node.name] = key
         view += [
             {"step": node.step, "key": key, "file": file, "place": place, "room": node.room}
@@ -149,7 +154,9 @@ def _jobs(
     described: Sequence[Mapping[str, Any]],
     nodes: Mapping[str, Mapping[str, Any]],
     labels: Mapping[str, str],
+    efforts: Mapping[str, Effort | None],
     cores: int,
+    job_s: float,
 ) -> tuple[dict[str, dict[str, Any]], dict[str, list[str]]]:
     chunks: dict[str, dict[str, Any]] = {}
     maker: dict[str, str] = {}
@@ -158,11 +165,12 @@ def _jobs(
         by_step.setdefault(node["step"], []).append(key)
     for step in registry.steps().values():
         own = by_step.get(step.name, [])
-        size = min(_MOST, max(1, len(own) // (2 * cores))) if step.swept else step.chunk[1]
+        size = _size(step, [efforts[key] for key in own], cores, job_s) if step.swept else step.chunk[1]
         for batch in plan.evenly(own, size):
             needs = {maker[key] for node in batch for key in nodes[node]["inputs"].values()}
             name = plan.chunk_name([[labels[key]] for key in batch], batch)
-            chunks[name] = {"step": step.name, "nodes": batch, "needs": sorted(needs)}
+            resources = footprint.resources(footprint.of_step(step), [efforts[key] for key in batch])
+            chunks[name] = {"step": step.name, "nodes": batch, "needs": sorted(needs), "resources": resources}
             maker.update(dict.fromkeys(batch, name))
     targets: dict[str, list[str]] = {"all": [], "report": []}
     for number, run in enumerate(described):
@@ -170,8 +178,15 @@ def _jobs(
         steps = sorted({nodes[key]["step"] for key in keys})
         name = plan.chunk_name([[f"{run['study']}.{run['name']}.all"]], [run["digest"]])
         needed = sorted({maker[key] for key in keys})
-        chunks[name] = {"step": "publish", "part": "all", "steps": steps, "runs": [number], "needs": needed}
+        chunks[name] = plan.publishing("all", steps, [number], needed)
         for target in ("all", "report"):
             targets[target].append(name)
         targets.setdefault(str(run["study"]), []).append(name)
     return chunks, targets
+
+
+def _size(step: Step, efforts: Sequence[Effort | None], cores: int, job_s: float) -> int:
+    """Return how many nodes of a swept step a job has, at most."""
+    shared = min(_MOST, max(1, len(efforts) // (2 * cores)))
+    work_s = sum(map(footprint.of_step(step).work_s, efforts)) / max(1, len(efforts))
+    return max(shared, ceil(job_s / work_s))

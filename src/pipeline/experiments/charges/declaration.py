@@ -14,6 +14,7 @@ from pipeline.experiments.charges.records import ChargesPart, check_modes, prepa
 from pipeline.experiments.charges.tables import CHARGE, SECOND
 from pipeline.kernel.draft import plain, untitled
 from pipeline.kernel.experiment import FOUND, Effort, Experiment, Label, Node, Step
+from pipeline.kernel.footprint import Footprint
 from pipeline.published.ensemble import ANSWERS, NAME, asked, estimates
 
 _TEMPERATURES = ("charge.ambient_c", "charge.initial_temperature_c")
@@ -78,7 +79,7 @@ CHARGED = Step(
     rule="charge_battery",
     message="Charge: {chunk}",
     settings=_charge_settings,
-    effort=_charge_effort,
+    effort=Footprint(_charge_effort, node_s=0.1, together=48),
     reads=("{cell}", "charge", "engine", "comparisons.{comparison}", "modes.{mode}", "modes.{reference}"),
     takes=("engine", "supply", FOUND),
     tables=CHARGE,
@@ -94,7 +95,7 @@ SAMPLED = Step(
     rule="charge_ensemble",
     message="Charges over the ranges of estimated parameters: {chunk}",
     settings=_ensemble_settings,
-    effort=_ensemble_effort,
+    effort=Footprint(_ensemble_effort, memory_mb=480.0, node_s=8.0),
     reads=("battery", "modes.{modes}", "charge", "engine", "ensemble", "seed", "comparisons", "published", "answer"),
     takes=("engine", "supply", FOUND),
     tables=ANSWERS,

@@ -21,6 +21,7 @@ from pipeline.files.load import check_load, check_weather
 from pipeline.files.weather import date_of, told
 from pipeline.kernel.draft import untitled
 from pipeline.kernel.experiment import FOUND, Effort, Experiment, Label, Node, Step
+from pipeline.kernel.footprint import Footprint
 from pipeline.kernel.tables import CHAOTIC, NOTES, NUMBERS, Column, Table, TableFile, numbers
 from pipeline.record import Record
 from pipeline.weather.records import Weather
@@ -253,7 +254,7 @@ DAY_STEP = Step(
     rule="charge_over_day",
     message="Day in the sun: {chunk}",
     settings=_day_settings,
-    effort=_day_effort,
+    effort=Footprint(_day_effort, memory_mb=480.0, node_s=2.0),
     reads=("converter", "battery", "engine", "modes.{mode}", *(f"day.{name}" for name in DayConditions.model_fields)),
     takes=("engine", "daylight", FOUND),
     tables=DAY,

@@ -14,6 +14,7 @@ from pipeline.experiments.frequency.tables import CHAOS, OBJECTIVE, SEARCH, SETS
 from pipeline.experiments.frequency.tuning_tables import CHAOS_NUMBERS, OBJECTIVE_NUMBERS
 from pipeline.kernel.draft import plain, untitled
 from pipeline.kernel.experiment import Draft, Effort, Experiment, Label, Node, Step
+from pipeline.kernel.footprint import Footprint
 from pipeline.published.ensemble import ANSWERS, NAME, asked, estimates
 from pipeline.search import registry
 from pipeline.search.box import evaluations, kept_b
@@ -112,6 +113,7 @@ OBJECTIVE_STEP = Step(
     "objective",
     rule="loss_over_frequency",
     message="Objective: loss against frequency: {chunk}",
+    effort=Footprint(node_s=1.0),
     settings=choices.objective_settings,
     reads=("objective", "modes.{modes}", *_PAIRS, "battery.series_resistance_ohm", "battery.thermal.resistance_k_w"),
     tables=OBJECTIVE,
@@ -157,6 +159,7 @@ OBJECTIVE_ENSEMBLE = Step(
     "objective_ensemble",
     rule="loss_over_estimates",
     message="Objective over the ranges of estimated parameters: {chunk}",
+    effort=Footprint(node_s=5.0),
     settings=_objective_ensemble,
     reads=("battery", "modes.{modes}", "objective", "ensemble", "seed", "published", "answer"),
     tables=ANSWERS,
@@ -167,6 +170,7 @@ SEARCH_ENSEMBLE = Step(
     "search_ensemble",
     rule="search_with_other_seeds",
     message="Searches and parameter design with other seeds: {chunk}",
+    effort=Footprint(node_s=10.0),
     settings=_search_ensemble,
     reads=("search", "oracle", "design", "seed", *_PROBLEM, "ensemble", "published", "answer"),
     takes=("tuning",),

@@ -9,6 +9,7 @@ from pydantic import Field
 
 from pipeline.experiments.functions.numbers import VOCABULARY, fields
 from pipeline.kernel.experiment import Effort, Experiment, Node, Step
+from pipeline.kernel.footprint import Footprint
 from pipeline.kernel.tables import CHAOTIC, ELSEWHERE, Column, Table, TableFile, numbers
 from pipeline.record import Record
 from pipeline.search import registry
@@ -144,7 +145,7 @@ RUN_STEP = Step(
     rule="run_on_function",
     message="Test function, every search in every placement: {chunk}",
     settings=_run_settings,
-    effort=_effort,
+    effort=Footprint(_effort, node_s=5.0),
     reads=("functions", "seed"),
     tables=FUNCTION_RUN,
     target="functions",
@@ -155,6 +156,7 @@ COMPARE_STEP = Step(
     "functions",
     rule="compare_on_functions",
     message="Test functions: statistics and tests: {chunk}",
+    effort=Footprint(node_s=8.0),
     settings=lambda config: {"functions": config.functions, "seed": config.seed},
     reads=("functions", "seed"),
     takes=("function_runs",),

@@ -13,6 +13,7 @@ from pipeline.experiments.network.records import GRADIENT_SECONDS, LONG, Network
 from pipeline.files import profiles
 from pipeline.kernel import digest
 from pipeline.kernel.experiment import Effort, Experiment, Node, Step
+from pipeline.kernel.footprint import Footprint
 from pipeline.kernel.tables import CHAOTIC, NUMBERS, Column, Table, TableFile
 from pipeline.published.ensemble import ANSWERS, NAME, asked
 
@@ -269,7 +270,7 @@ SELECT = Step(
     rule="select_centres",
     message="Network: centres selected by every method: {chunk}",
     settings=_selecting,
-    effort=_selecting_effort,
+    effort=Footprint(_selecting_effort, node_s=8.0),
     reads=("network.form", "network.selection", "network.anfis", "seed"),
     takes=("surface",),
     tables=SELECTED,
@@ -285,7 +286,7 @@ SIZE = Step(
     priority=10,
     message="Network size: error against the number of centres: {chunk}",
     settings=_sizing,
-    effort=_sizing_effort,
+    effort=Footprint(_sizing_effort, node_s=35.0),
     reads=("network.form", "network.selection.genetic", "network.size", "seed"),
     takes=("surface",),
     tables=SIZED,
@@ -300,7 +301,7 @@ VARY = Step(
     priority=5,
     message="Network kernels: error under every kernel on every surface: {chunk}",
     settings=_varying,
-    effort=_varying_effort,
+    effort=Footprint(_varying_effort, node_s=15.0),
     reads=("network.form", "network.selection.genetic", "network.kernels", "seed"),
     takes=("surface",),
     tables=VARIED,
@@ -322,6 +323,7 @@ RESAMPLE = Step(
     "network_ensemble",
     rule="resample_selections",
     message="Network: resampled runs of the selections: {chunk}",
+    effort=Footprint(node_s=1.0),
     settings=_resampling,
     reads=("ensemble", "seed", "published", "answer"),
     takes=("network", "network_size"),

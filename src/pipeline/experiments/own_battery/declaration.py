@@ -13,6 +13,7 @@ from pipeline.experiments.own_battery.records import Fit, Measured
 from pipeline.experiments.own_battery.tables import CHARGES, FITTED, FITTED_NUMBERS, READ
 from pipeline.kernel.draft import plain, untitled
 from pipeline.kernel.experiment import Effort, Experiment, Label, Node, Step
+from pipeline.kernel.footprint import Footprint
 from pipeline.own_files import digest
 from pipeline.record import Record
 
@@ -70,7 +71,7 @@ FITTING = Step(
     rule="fit_measurement",
     message="Measurement: fit of the battery's card: {chunk}",
     settings=_fit_settings,
-    effort=_fit_effort,
+    effort=Footprint(_fit_effort, start_s=6.0),
     reads=("measured", "own_battery", "battery", "seed"),
     takes=("own_reading",),
     tables=FITTED,

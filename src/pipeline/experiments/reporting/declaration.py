@@ -17,6 +17,7 @@ from pipeline.experiments.reporting.verdicts import SECOND, answered_by_charges,
 from pipeline.kernel import registry
 from pipeline.kernel.draft import paths, plain, reads_behind
 from pipeline.kernel.experiment import EVERYTHING, Draft, Experiment, Node, Step
+from pipeline.kernel.footprint import Footprint
 from pipeline.kernel.planfile import command
 from pipeline.kernel.scope import below
 from pipeline.kernel.tables import TableFile
@@ -103,6 +104,7 @@ DRAWN = Step(
     "figures",
     rule="draw_figures",
     message="Figures: {chunk}",
+    effort=Footprint(node_s=1.0),
     settings=_drawn,
     reads=("figures.{figure}", "{labelled}", *_TITLES),
     takes=(EVERYTHING,),

@@ -14,6 +14,7 @@ from pipeline.experiments.staging.tables import GATHERED, SEARCH, TRADED
 from pipeline.experiments.staging.vocabulary import FRONT, SEARCHED
 from pipeline.kernel.draft import plain, untitled
 from pipeline.kernel.experiment import Effort, Experiment, Label, Node, Step
+from pipeline.kernel.footprint import Footprint
 from pipeline.published.ensemble import ANSWERS, NAME, asked, estimates
 from pipeline.record import Record
 from pipeline.search import registry
@@ -139,7 +140,7 @@ SEARCH_STEP = Step(
     rule="search_stage_currents",
     message="Staging: searches for stage currents, with all replicates: {chunk}",
     settings=_search_settings,
-    effort=_search_effort,
+    effort=Footprint(_search_effort, node_s=3.0),
     reads=(
         *_PROBLEM,
         *("staging.weights.{weights}", "staging.searches.{search}", "staging.replicates", "staging.evaluations"),
@@ -154,7 +155,7 @@ GATHER_STEP = Step(
     rule="gather_stage_currents",
     message="Staging: the best currents, and the searches against them: {chunk}",
     settings=_gathered_settings,
-    effort=_gathering_effort,
+    effort=Footprint(_gathering_effort, node_s=1.0),
     reads=(
         *_PROBLEM,
         *("staging.weights", "staging.searches", "staging.use"),
@@ -187,6 +188,7 @@ STAGE_ENSEMBLE = Step(
     "stage_ensemble",
     rule="stage_over_estimates",
     message="Staged charges over the ranges of estimated parameters: {chunk}",
+    effort=Footprint(node_s=12.0),
     settings=_stage_ensemble,
     reads=(*_PROBLEM, "staging.weights", "staging.front", "ensemble", "published", "answer"),
     takes=("staging",),
@@ -198,6 +200,7 @@ SEED_ENSEMBLE = Step(
     "seed_ensemble",
     rule="search_stages_with_other_seeds",
     message="Searches for stage currents with other seeds: {chunk}",
+    effort=Footprint(node_s=8.0),
     settings=_seed_ensemble,
     reads=(
         *_PROBLEM,

@@ -10,7 +10,7 @@ from typing import Any
 
 from pipeline.experiments.sweeps.reading import CSV, TABLE
 from pipeline.kernel.draft import plain
-from pipeline.kernel.experiment import Draft, Experiment, Step, Swept
+from pipeline.kernel.experiment import Draft, Effort, Experiment, Step, Swept
 from pipeline.published.records import read_tables, read_values
 
 SWEEP = Step(
@@ -28,6 +28,7 @@ PAGE = Step(
     files=("src/pipeline/experiments/sweeps/*.j2", "src/pipeline/report/templates/*", "src/pipeline/report/*.mplstyle"),
     shown=False,
 )
+_ROW_B, _ROW_S = 4e4, 4e-3
 
 
 def gathers(sweep: Swept) -> Iterator[Draft]:
@@ -38,9 +39,11 @@ def gathers(sweep: Swept) -> Iterator[Draft]:
     settings = told | {"runs": list(sweep.runs), "statements": list(_statements(sweep))}
     inputs = {node: node for run in sweep.runs for node in run["nodes"].values()}
     files = {file: file for file in (TABLE, CSV)}
-    yield Draft(SWEEP.name, SWEEP.name, label, settings, inputs, (), files, "results", ())
+    # Each row is read from an artefact of its own.
+    rows = Effort(_ROW_B * len(inputs), _ROW_S * len(inputs), ())
+    yield Draft(SWEEP.name, SWEEP.name, label, settings, inputs, (), files, "results", (), rows)
     of_page = told | {"command": sweep.command, "files": [f"{sweep.folder}/{file}" for file in files]}
-    yield Draft(PAGE.name, PAGE.name, label, of_page, {SWEEP.name: SWEEP.name}, (), {"*": ""}, "reports", ())
+    yield Draft(PAGE.name, PAGE.name, label, of_page, {SWEEP.name: SWEEP.name}, (), {"*": ""}, "reports", (), rows)
 
 
 def _statements(sweep: Swept) -> Iterator[dict[str, Any]]:

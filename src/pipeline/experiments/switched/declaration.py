@@ -9,6 +9,7 @@ from pipeline.converter.records import BOOST
 from pipeline.experiments.switched.choices import check
 from pipeline.kernel.draft import plain, untitled
 from pipeline.kernel.experiment import FOUND, Experiment, Node, Step
+from pipeline.kernel.footprint import Footprint
 from pipeline.kernel.tables import NUMBERS, Column, Table, TableFile
 from pipeline.published.ensemble import ANSWERS, NAME, asked, estimates
 
@@ -146,6 +147,7 @@ SAMPLED = Step(
     "switched_ensemble",
     rule="switch_over_estimates",
     message="Converters, switch by switch, over the ranges of estimated parameters: {chunk}",
+    effort=Footprint(node_s=4.0),
     settings=_ensemble_settings,
     reads=(
         *("battery", "modes.{modes}", "charge", "engine", "converter.switched", "converter.bus_voltage_v"),

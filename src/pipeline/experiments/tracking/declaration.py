@@ -7,6 +7,7 @@ from typing import Any
 
 from pipeline.experiments.tracking.records import CONVERTER_NUMBERS, TRACKING_NUMBERS, TrackingPart
 from pipeline.kernel.experiment import Effort, Experiment, Label, Node, Step
+from pipeline.kernel.footprint import Footprint
 from pipeline.kernel.tables import NUMBERS, Column, Table, TableFile
 
 _TRACKER = Column("tracker", "", "name of the tracker", "text")
@@ -171,7 +172,7 @@ TRACKING_STEP = Step(
     rule="try_trackers",
     message="Trackers: ramps, days, shadows: {chunk}",
     settings=_tracking_settings,
-    effort=_tracking_effort,
+    effort=Footprint(_tracking_effort, node_s=6.0),
     reads=("panel", "converter.switched.boost", "converter.bus_voltage_v", "trackers", "tracking"),
     takes=("panel",),
     tables=TRIALS,
@@ -184,6 +185,7 @@ CONVERTERS_STEP = Step(
     "converters",
     rule="map_converter_efficiency",
     message="Converters: efficiency over load: {chunk}",
+    effort=Footprint(node_s=2.0),
     settings=_converters_settings,
     reads=(
         *("converter", "panel.max_power_voltage_v", "panel.max_power_current_a"),

@@ -11,6 +11,7 @@ from pipeline.charge.effort import ROW_B
 from pipeline.experiments.trade_off.records import TRADE_OFF_NUMBERS, TradeOff, fields
 from pipeline.kernel.draft import plain, untitled
 from pipeline.kernel.experiment import FOUND, Effort, Experiment, Label, Node, Step
+from pipeline.kernel.footprint import Footprint
 from pipeline.kernel.tables import NUMBERS, Column, Table, TableFile
 from pipeline.published.ensemble import ANSWERS, NAME, asked, estimates
 from pipeline.record import Record
@@ -102,6 +103,7 @@ SAMPLED = Step(
     "trade_off_ensemble",
     rule="weigh_over_estimates",
     message="Charge time against peak temperature over the ranges of estimates: {chunk}",
+    effort=Footprint(node_s=10.0),
     settings=_ensemble_settings,
     reads=(*WEIGH.reads, "ensemble", "seed", "published", "answer"),
     takes=("engine", FOUND),
