@@ -13,11 +13,14 @@ from pathlib import Path
 from types import ModuleType
 from typing import Any, NamedTuple
 
-from pipeline.kernel import lock, planfile, publish, receipts, store
+from pipeline.kernel import lock, nearby, planfile, publish, receipts, store
 from pipeline.kernel.artefacts import Inputs, Output
 from pipeline.kernel.errors import EngineError, UserError
 from pipeline.kernel.last_resort import last_resort
 from pipeline.kernel.tables import TableFile
+
+PATIENCE_S = 60.0
+"""For how long the job of a cluster looks for an input that is not there yet, as Snakemake does for a receipt."""
 
 
 class Task(NamedTuple):
@@ -39,6 +42,8 @@ def main(arguments: Sequence[str]) -> int:
     options = parser.parse_args(arguments)
     try:
         with lock.at_work(options.results):
+            if nearby.on_a_cluster():
+                store.patience_s = PATIENCE_S
             _run(options)
     except UserError as error:
         print(f"error: {error}", file=sys.stderr)
@@ -69,6 +74,7 @@ def run_chunk(plan: Mapping[str, Any], name: str, results: Path, again: bool) ->
     step = chunk["step"]
     store.own(results, store.artefact(results, step, name))
     store.own(results, receipts.path_of(results, step, name))
+    nearby.bring(plan["steps"][step]["module"])
     module = importlib.import_module(plan["steps"][step]["module"])
     size = getattr(module, "BATCH", 1) if hasattr(module, "run_many") else 1
     made: dict[str, dict[str, str]] = {}
@@ -83,6 +89,7 @@ def run_chunk(plan: Mapping[str, Any], name: str, results: Path, again: bool) ->
         print(f"{step} {name} {place}/{total}: {', '.join(key[:12] for key in done)} in {took:.2f} s", flush=True)
     if failed:
         raise failed[0]
+    nearby.give_back(plan["steps"][step]["module"])
     receipts.write(results, step, name, made, {})
 
 

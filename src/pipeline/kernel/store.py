@@ -2,18 +2,25 @@
 
 `results/store/<step>/<key>/` holds one artefact: its files, read-only, and `contents.json` with their sha256. This is
 the only module that writes artefacts, texts and links under `results/` and `reports/`. What is being written has a
-name with a dot in front and the number of its process behind: `.<name>.<letters>.<process>`.
+name with a dot in front, the machine and the number of its process behind: `.<name>.<letters>.<machine>-<process>`.
+
+Nothing here needs hard links, locks or a rename of folders, which file systems of a network may refuse: what makes an
+artefact whole is `contents.json`, which comes last.
 """
 
 from __future__ import annotations
 
 import contextlib
+import errno
+import hashlib
 import json
 import os
 import re
 import shutil
+import socket
 import sys
 import tempfile
+import time
 from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any
@@ -24,7 +31,13 @@ from pipeline.kernel.errors import UserError
 CONTENTS = "contents.json"
 RESULTS = Path("results")
 REPORTS = "reports"
-_TEMPORARY = re.compile(r"\..+\.(?:(?P<process>\d+)|[a-z0-9_]{8})")
+_TEMPORARY = re.compile(r"\..+\.(?:(?:(?P<machine>[0-9a-f]{8})-)?(?P<process>\d+)|[a-z0-9_]{8})")
+_MACHINE = hashlib.sha256(socket.gethostname().encode()).hexdigest()[:8]
+_LONGEST_JOB_S = 8 * 86_400.0
+"""After which what a process of another machine has not gone on writing is taken for left behind."""
+_NO_SYNC = (errno.EINVAL, errno.ENOTSUP, errno.EBADF, errno.EACCES, errno.EISDIR)
+patience_s = 0.0
+"""How long an input that is not seen is waited for: a network's file system is late with what another machine made."""
 
 
 class StoreError(RuntimeError):
@@ -55,7 +68,12 @@ def whole(results: Path, step: str, key: str, use: str) -> Path:
     StoreError : it is not; the folder goes to the quarantine, so that the next run makes it again.
     """
     folder = artefact(results, step, key)
-    fault = damage(folder)
+    end = time.monotonic() + patience_s
+    while (fault := damage(folder)) is not None and not folder.exists() and time.monotonic() < end:
+        time.sleep(min(1.0, patience_s))
+        # To list a folder is what makes such a file system look again.
+        with contextlib.suppress(OSError):
+            list(folder.parent.iterdir())
     if fault is None:
         return folder
     away = quarantine(results, folder)
@@ -120,7 +138,7 @@ def make_many(
     parent = folders[keys[0]].parent
     parent.mkdir(parents=True, exist_ok=True)
     _remove_abandoned(parent)
-    end = f".{os.getpid()}"
+    end = _owner()
     temporary = {key: Path(tempfile.mkdtemp(prefix=f".{key}.", suffix=end, dir=parent)) for key in wanted}
     try:
         write(temporary)
@@ -164,7 +182,7 @@ def remove(folder: Path) -> None:
 def write_text(path: Path, text: str) -> None:
     """Write a file whole or not at all."""
     path.parent.mkdir(parents=True, exist_ok=True)
-    handle, name = tempfile.mkstemp(prefix=f".{path.name}.", suffix=f".{os.getpid()}", dir=path.parent)
+    handle, name = tempfile.mkstemp(prefix=f".{path.name}.", suffix=_owner(), dir=path.parent)
     temporary = Path(name)
     try:
         with os.fdopen(handle, "w", encoding="utf-8") as file:
@@ -185,7 +203,7 @@ def write_json(path: Path, value: Any) -> None:
 def link(source: Path, target: Path) -> None:
     """Put a file under a second name: a hard link, or a copy where the file system has none; replaces `target`."""
     target.parent.mkdir(parents=True, exist_ok=True)
-    temporary = target.parent / f".{target.name}.{os.getpid()}"
+    temporary = target.parent / f".{target.name}{_owner()}"
     temporary.unlink(missing_ok=True)
     try:
         os.link(source, temporary)
@@ -206,7 +224,7 @@ def quarantine(results: Path, path: Path) -> Path | None:
     folder.mkdir(parents=True, exist_ok=True)
     away = Path(tempfile.mkdtemp(prefix="changed-", dir=folder)) / path.name
     try:
-        path.replace(away)
+        _move(path, away)
     except FileNotFoundError:
         return None
     return away
@@ -240,7 +258,7 @@ def abandoned(results: Path) -> Iterator[Path]:
     """Yield the temporary files and folders under `results/` and `reports/` that no living process owns."""
     for root in (results, results.parent / REPORTS):
         for base, folders, files in os.walk(root):
-            temporary = [name for name in (*folders, *files) if _is_abandoned(name)]
+            temporary = [name for name in (*folders, *files) if _is_abandoned(Path(base) / name)]
             folders[:] = [name for name in folders if name not in temporary]
             yield from (Path(base) / name for name in temporary)
 
@@ -273,11 +291,35 @@ def _replace(results: Path, folder: Path, temporary: Path) -> None:
         return
     quarantine(results, folder)
     try:
-        temporary.replace(folder)
+        _move(temporary, folder)
     except OSError:
         # Another job may have sealed the same artefact meanwhile; then its copy serves.
         if damage(folder) is not None:
             raise
+
+
+def _move(source: Path, target: Path) -> None:
+    """Give a file or folder another name where nothing is yet; copy it where the file system renames no folders."""
+    try:
+        source.replace(target)
+        return
+    except OSError:
+        if not source.is_dir() or source.is_symlink() or target.exists():
+            raise
+    target.mkdir()
+    target.chmod(0o755)
+    # What makes it whole comes last.
+    for path in sorted(source.rglob("*"), key=lambda path: path == source / CONTENTS):
+        copy = target / path.relative_to(source)
+        if path.is_dir():
+            copy.mkdir(parents=True, exist_ok=True)
+        else:
+            copy.parent.mkdir(parents=True, exist_ok=True)
+            shutil.copyfile(path, copy)
+            shutil.copymode(path, copy)
+            _sync(copy)
+    _sync(target)
+    remove(source)
 
 
 def _compare(folder: Path, before: Mapping[str, str], now: Mapping[str, str]) -> None:
@@ -289,15 +331,28 @@ def _compare(folder: Path, before: Mapping[str, str], now: Mapping[str, str]) ->
 def _remove_abandoned(folder: Path) -> None:
     """Remove what killed jobs left in the folder of a step."""
     for path in folder.glob(".*"):
-        if _is_abandoned(path.name):
+        if _is_abandoned(path):
             remove(path)
 
 
-def _is_abandoned(name: str) -> bool:
-    """Tell whether a name is that of something being written by a process that is no more."""
-    found = _TEMPORARY.fullmatch(name)
-    # Without a process: of the days when temporary names had none.
-    return found is not None and not (found["process"] and _alive(int(found["process"])))
+def _owner() -> str:
+    """Return what stands behind the names of all that this process is writing."""
+    return f".{_MACHINE}-{os.getpid()}"
+
+
+def _is_abandoned(path: Path) -> bool:
+    """Tell whether something was being written by a process that is no more."""
+    found = _TEMPORARY.fullmatch(path.name)
+    if found is None:
+        return False
+    if found["machine"] in (None, _MACHINE):
+        # Without a process: of the days when temporary names had none.
+        return not (found["process"] and _alive(int(found["process"])))
+    try:
+        # Whether a process of another machine lives cannot be asked here.
+        return time.time() - path.lstat().st_mtime > _LONGEST_JOB_S
+    except OSError:
+        return False
 
 
 def _alive(process: int) -> bool:
@@ -316,8 +371,13 @@ def _rename(source: Path, target: Path) -> None:
 
 
 def _sync(path: Path) -> None:
+    folder = path.is_dir()
     descriptor = os.open(path, os.O_RDONLY)
     try:
         os.fsync(descriptor)
+    except OSError as error:
+        # Some file systems of a network have nothing to wait for in a folder.
+        if not folder or error.errno not in _NO_SYNC:
+            raise
     finally:
         os.close(descriptor)
