@@ -16,15 +16,15 @@ CELL = Battery(**PLAIN)
 @pytest.mark.parametrize(
     ("stop", "missed"),
     [
-        ({"soc": 0.95}, "SOC 0.95 not reached, SOC 0.3778 at 1000 s: 1000 s time limit"),
+        ({"soc": 0.95}, "SOC 0.95 not reached: stopped by the 1000 s time limit at SOC 0.3778"),
         (
             {"soc": 0.95, "temperature_c": 25.5},
-            "SOC 0.95 not reached, SOC 0.2389 at 500 s: 25.5 degC temperature limit",
+            "SOC 0.95 not reached: stopped by the 25.5 °C temperature limit after 500 s at SOC 0.2389",
         ),
-        ({"voltage_v": 3.9}, "voltage 3.9 V not reached, SOC 0.3778 at 1000 s: 1000 s time limit"),
+        ({"voltage_v": 3.9}, "voltage 3.9 V not reached: stopped by the 1000 s time limit at SOC 0.3778"),
         (
             {"soc": 0.9, "voltage_drop_v": 0.02},
-            "SOC 0.9 or voltage below its peak by 0.02 V not reached, SOC 0.3778 at 1000 s: 1000 s time limit",
+            "SOC 0.9 or voltage below its peak by 0.02 V not reached: stopped by the 1000 s time limit at SOC 0.3778",
         ),
         ({"soc": 0.3}, ""),
         ({"soc": 0.3, "voltage_v": 3.9}, ""),
@@ -39,14 +39,14 @@ def test_a_goal_that_is_missed_is_named(stop, missed):
 
 def test_hours_are_told_as_hours():
     found = values(charge(CELL, constant(0.01, 8 * 3600, soc=0.95), settings(0.1, sample_interval_s=600.0)))
-    assert found["missed"] == "SOC 0.95 not reached, SOC 0.18 at 8 h: 8 h time limit"
+    assert found["missed"] == "SOC 0.95 not reached: stopped by the 8 h time limit at SOC 0.18"
     assert found["end_reason"] == "stop: elapsed 28800 s"
 
 
 def test_a_supply_that_goes_out_is_no_silent_end():
     supply = Supply(np.array([0.0, 100.0]), np.array([3.0, 0.0]))
     found = values(charge(CELL, constant(1.0, 600, soc=0.5), settings(0.1), supply))
-    assert found["missed"].endswith("600 s time limit, the supply at its limit for 600 s")
+    assert found["missed"].endswith(", the supply at its limit for 600 s")
     assert found["time_at_supply_limit_s"] == pytest.approx(600.0)
 
 
@@ -54,7 +54,9 @@ def test_phases_that_are_over_are_told_too():
     phases = {"only": {"constant_current": {"current_a": 1.0}, "until": {"elapsed_s": 60}}}
     mode = Mode(title="Short", phases=phases, stop={"elapsed_s": 1000, "soc": 0.9})
     found = values(charge(CELL, mode, settings(0.1)))
-    assert found["missed"] == "SOC 0.9 not reached, SOC 0.1167 at 60 s: the last phase ended, 60 s time limit"
+    assert (
+        found["missed"] == "SOC 0.9 not reached: the last phase ended by its 60 s time limit after 60 s at SOC 0.1167"
+    )
 
 
 @pytest.mark.parametrize("edge", [0.3, 0.2])
@@ -76,7 +78,8 @@ def test_another_sign_of_full_in_the_last_phase_is_an_end():
 CC = {"constant_current": {"current_a": 8.0}, "until": {"voltage_v": 3.65}}
 CV = {"constant_voltage": {"voltage_v": 3.65, "max_current_a": 8.0}}
 TAIL = {"current_a": 0.4}
-FULL = "current 0.4 A not reached, SOC 1 at 3240 s, 8 A flowing: the battery is full"
+AFTER = "the battery was full after 3240 s at SOC 1"
+FULL = f"current 0.4 A not reached: {AFTER}, 8 A flowing"
 
 
 def lithium(soc, stop, **phases):
@@ -91,7 +94,11 @@ def lithium(soc, stop, **phases):
         (TAIL, {"cc": CC, "cv": CV}, f"{FULL}; cv never ran"),
         (TAIL, {"cc_cv": CV}, f"{FULL}; cc_cv never held its 3.65 V"),
         ({}, {"cc_cv": CV | {"until": TAIL}}, f"{FULL}; cc_cv never held its 3.65 V"),
-        ({}, {"cc": CV}, "4 h time limit not reached, SOC 1 at 3240 s: the battery is full; cc never held its 3.65 V"),
+        (
+            {},
+            {"cc": CV},
+            f"4 h time limit not reached: {AFTER}; cc never held its 3.65 V",
+        ),
         ({"soc": 0.5}, {"cc": CC, "cv": CV | {"until": TAIL}, "float": {"rest": {}}}, "cv and float never ran"),
         ({"soc": 0.5}, {"cc": CC}, ""),
     ],

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
@@ -17,8 +18,9 @@ from pipeline.errors import UserError
 from pipeline.kernel import tables
 from pipeline.published.artefacts import Lookup
 from pipeline.published.evaluate import VERDICTS, evaluate
-from pipeline.published.records import Statement, needs
+from pipeline.published.records import Statement, Told, compared, needs
 from pipeline.published.vocabulary import check_statements
+from pipeline.published.wording import Wording
 from tests import making
 from tests.published.conftest import CONF, FALSE, write_charge, write_points, write_reference, write_switched
 from tests.published.search_world import (
@@ -46,6 +48,16 @@ OTHERWISE = {
     "cv_pulse": (9000.0, 5.5, 6.0, 0.980, 0.92),
     "cv_reflex": (5000.0, 6.0, 5.0, 0.950, 0.91),
 }
+
+
+def parts(stated: Statement) -> Iterator[Told]:
+    """Yield what says how the predicates of a statement call what they compare."""
+    checks: list[Any] = [] if stated.check is None else [stated.check]
+    while checks:
+        one = checks.pop()
+        own = [getattr(one, field) for field in type(one).model_fields]
+        checks += [inner for part in own if isinstance(part, tuple) for inner in part]
+        yield from (part for part in own if isinstance(part, Told))
 
 
 def world(
@@ -165,3 +177,19 @@ def test_a_calibration_to_an_unknown_statement_is_refused(study: Any) -> None:
 
 def test_marks_become_quantities() -> None:
     assert {"time_to_soc_0.8_s", "temperature_rise_at_soc_0.95_k"} <= SUMMARY.names({"mark": (0.8, 0.95)})
+
+
+def test_a_name_that_no_sentence_says_is_refused() -> None:
+    with pytest.raises(UserError, match=r"called\.peak_temperature_k: no statement reads 'peak_temperature_k'; best"):
+        study_from(compose_tree(["study=nicd_grnn", "+called.peak_temperature_k=warmest"]))
+
+
+@pytest.mark.parametrize("name", ["solar_reflex", "nicd_grnn", "lfp_cuckoo"])
+def test_sentences_say_words_and_no_keys(name: str) -> None:
+    study = study_from(compose_tree([f"study={name}"]))
+    titles = {mode: study.modes[mode].title for mode in study.run}
+    told = Wording(Lookup(making.inputs({})), "1", titles | study.called)
+    for stated in study.published.values():
+        for part in parts(stated):
+            names = part.called or [told.label(one) for one in compared(part)]
+            assert not [one for one in (part.of, *names) if "_" in one or "degC" in one]

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from pipeline.report.claims import cited, claims, matrix
+from pipeline.report.claims import Rests, cited, claims, matrix
 from tests.report_pages.conftest import verdict_columns
 
 
@@ -44,6 +44,29 @@ def test_a_margin_of_less_than_a_hundredth_is_a_close_call() -> None:
     found = claims(of(columns, computed_value=[1.0504, 1.2, 1.0504], margin=[-0.0004, -0.15, -0.0004],
                       robust_low=[None] * 3, robust_high=[None] * 3), {}, {}, [])  # fmt: skip
     assert [bool(one.verdicts[0].close) for one in found] == [True, False, False]
+
+
+def test_where_a_tolerance_is_given_a_close_call_is_a_matter_of_it() -> None:
+    """An echo that meets its number exactly is none, however small the tolerance is beside the number."""
+    columns = of(verdict_columns("holds", "holds", "contradicted"), robust_low=[None] * 3, robust_high=[None] * 3)
+    found = claims(
+        of(columns, computed_value=[3600.0, 1.0496, 1534.6], margin=[1.0, 0.0004, -0.1], tolerance=[1.0, 0.05, 0.5]),
+        *({}, {}, []),
+    )
+    told = [one.verdicts[0].close for one in found]
+    assert told == ["", "its margin is 0.8 % of the tolerance", ""]
+
+
+def test_a_statement_with_a_title_is_called_by_it() -> None:
+    columns = of(
+        verdict_columns("holds", "holds", "holds"),
+        statement=["table_2_and_figure_10", "table_2_sums", "eight_c"],
+        says=["a", "a", "b"],
+    )
+    titled = {"table_2_and_figure_10": Rests(title="Table 2 against Figure 10"), "eight_c": Rests(title="8C faster")}
+    ((_, _, rows),) = matrix(claims(columns, titled, {}, []))
+    assert [claim.name for claim, _ in rows] == ["Table 2 against Figure 10", "Table 2: sums", "8C faster"]
+    assert claims(columns, titled, {}, [])[1].verdicts[0].reading == "as stated"
 
 
 def test_an_interval_that_spans_the_limit_between_words_is_a_close_call() -> None:

@@ -68,7 +68,9 @@ def test_no_artefact_names_the_folder_it_was_made_in(project: Project) -> None:
 def test_the_found_frequency_is_the_one_charged_with(project: Project) -> None:
     pulses = "'charge.windows=[{start_s:60,length_s:0.05}]' modes.cv_reflex.phases.bulk.until.elapsed_s=50"
     printed = project.snakemake("charges", overrides=f"modes.run=[cc_cv,cv_reflex] {pulses}")
-    assert re.search(r"charge/same_peak/cc_cv: SOC 0.99 not reached, SOC 0\.2\d+ at 100 s: 100 s time limit", printed)
+    assert re.search(
+        r"charge/same_peak/cc_cv: SOC 0.99 not reached: stopped by the 100 s time limit at SOC 0\.2\d+", printed
+    )
     view = _manifest(project)["artefacts"]
     assert isinstance(view, list)
     key = next(entry["key"] for entry in view if entry["step"] == "search")

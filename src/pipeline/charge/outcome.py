@@ -166,13 +166,19 @@ def missed_goal(outcome: Outcome) -> str:
     end_soc = 1.0 - float(outcome.run["state"][DEPTH])
     if not wanted or (name in _GOALS and done) or end_soc >= wanted.get("soc", 2.0) - _ROUNDING:
         return ""
-    where = "" if of_stop else "the last phase ended, "
     # The last step tells the current only where every step is integrated: pulses may be crossed in closed form.
     flowing = f", {outcome.run['at'][TOTAL, 2]:.4g} A flowing" if "current_a" in wanted and _steady(ended) else ""
-    why = "the battery is full" if full else _limit(name, limits[name])
     lit_s = float(totals[SUPPLY_LIMITED_S])
     dim = f", the supply at its limit for {_hours(lit_s)}" if lit_s > 0.0 and name == "elapsed_s" else ""
-    return f"{either(wanted)} not reached, SOC {end_soc:.4g} at {_hours(outcome.end_s)}{flowing}: {where}{why}{dim}"
+    after = "" if of_stop and name == "elapsed_s" else f" after {_hours(outcome.end_s)}"
+    why = "the battery was full" if full else f"{_ended_by(of_stop, name)} {_limit(name, limits[name])}"
+    return f"{either(wanted)} not reached: {why}{after} at SOC {end_soc:.4g}{flowing}{dim}"
+
+
+def _ended_by(of_stop: bool, name: str) -> str:
+    """Return the words before the limit that ended a charge."""
+    its = "its " if name in ("elapsed_s", "temperature_c") else ""
+    return f"stopped by {its and 'the '}".rstrip() if of_stop else f"the last phase ended by {its}".rstrip()
 
 
 def _steady(course: Course) -> bool:
@@ -240,7 +246,7 @@ def _limit(name: str, value: float) -> str:
     if name == "elapsed_s":
         return f"{_hours(value)} time limit"
     if name == "temperature_c":
-        return f"{value:g} degC temperature limit"
+        return f"{value:g} °C temperature limit"
     return _goal(name, value)
 
 

@@ -2,16 +2,15 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Mapping, Sequence
 from typing import Any, Literal, NamedTuple
 
 from pydantic import Field
 
 from pipeline.kernel.tables import Column, Table
-from pipeline.published.artefacts import Impossible, Lookup, Sample, Unanswerable
+from pipeline.published.artefacts import Impossible, Lookup, Sample, Unanswerable, number
 from pipeline.published.operands import Operand, atoms, text
-from pipeline.published.predicates import number
+from pipeline.published.wording import of_differences, opened, plain
 from pipeline.published.words import ENOUGH, PARAMETERS, Robust
 from pipeline.record import Record
 
@@ -65,7 +64,7 @@ def answered(choices: Mapping[str, Choice], artefacts: Lookup, samples: Sequence
         try:
             one = _compared(choice, artefacts, samples)
         except Unanswerable as reason:
-            rows.append((name, "", f"{_capital(choice.of)}: no answer, since {reason}.", None, None, None, None))
+            rows.append((name, "", f"{opened(choice.of)}: no answer, since {reason}.", None, None, None, None))
             continue
         found[name] = one
         interval = (None, None) if one.robust is None else one.robust.interval()
@@ -111,43 +110,20 @@ def _leads(choice: Choice, best: str, samples: Sequence[Sample]) -> Robust | Non
     return Robust(held, counted, left_out) if counted else None
 
 
-def rounded(value: float, unit: str, finest: float | None = None, digits: int = 3) -> str:
-    """Return a number for people with its unit, never in powers of ten; `never` where a time is infinite.
-
-    Arguments
-    ---------
-    finest : a difference that must not be lost; as far as its first digit is told.
-    digits : how many are told of the number itself, at least.
-    """
-    if math.isinf(value):
-        return "never" if unit == "s" and value > 0 else "without bound"
-    places = 0
-    for told, number_ in ((digits, value), (1, finest or 0.0)):
-        if number_ and math.isfinite(number_):
-            places = max(places, told - 1 - math.floor(math.log10(abs(number_))))
-    text = f"{value:.{places}f}"
-    return text if unit in ("1", "") else f"{text} {unit}"
-
-
-def _in(choice: Choice) -> str:
-    """Return the unit of differences: degrees of difference are kelvins."""
-    return "K" if choice.unit == "degC" else choice.unit
-
-
 def _sentence(choice: Choice, found: _Found) -> str:
     values = found.values.items()
-    listed = ", ".join(f"{name} {rounded(value, choice.unit, found.lead, 4)}" for name, value in values)
-    leads = f"{_capital(found.best)} leads by {rounded(found.lead, _in(choice))}"
+    listed = ", ".join(f"{name} {plain(value, choice.unit, found.lead)}" for name, value in values)
+    leads = f"Ahead: {found.best}, by {plain(found.lead, of_differences(choice.unit))}"
     points = ""
     if found.robust is not None:
         low, high = found.robust.interval()
-        matters = f"{choice.by:g} {_in(choice)}".removesuffix(" 1")
+        matters = f"{choice.by:g} {of_differences(choice.unit)}".removesuffix(" 1")
         points = (
-            f", and by {matters} or more at {found.robust.held} of {found.robust.counted} points of the estimated "
+            f"; by {matters} or more at {found.robust.held} of {found.robust.counted} points of the estimated "
             f"parameters ({100 * low:.0f} to {100 * high:.0f} %)"
         )
-    clear = "" if found.sure else ": no clear difference"
-    return f"{_capital(choice.of)}: {listed}. {leads}{points}{clear}."
+    clear = "" if found.sure else ", so no clear difference"
+    return f"{opened(choice.of)}: {listed}. {leads}{points}{clear}."
 
 
 def _sum(choices: Mapping[str, Choice], found: Mapping[str, _Found]) -> tuple[str, str]:
@@ -160,12 +136,8 @@ def _sum(choices: Mapping[str, Choice], found: Mapping[str, _Found]) -> tuple[st
     winners = list(dict.fromkeys(sure.values()))
     if len(winners) == 1:
         told = " and ".join(
-            f"by {rounded(found[name].lead, _in(choices[name]))} in {choices[name].of}" for name in sure
+            f"by {plain(found[name].lead, of_differences(choices[name].unit))} in {choices[name].of}" for name in sure
         )
         return winners[0], f"Best: {winners[0]}, {told}.{rest}"
     of = {who: " and ".join(choices[name].of for name, one in sure.items() if one == who) for who in winners}
     return "", f"It depends on what counts: {'; '.join(f'{who} for {what}' for who, what in of.items())}.{rest}"
-
-
-def _capital(words: str) -> str:
-    return words[:1].upper() + words[1:]

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any, Protocol
@@ -11,7 +12,7 @@ import numpy as np
 from pipeline.errors import UserError, best_matches
 from pipeline.kernel.artefacts import Inputs
 from pipeline.kernel.tables import TableFile
-from pipeline.published.operands import Value, text
+from pipeline.published.operands import AtTime, Difference, Operand, Product, Ratio, Total, Value, text
 from pipeline.published.reference import PRINTED, REFERENCE, is_named, kind, read_csv
 from pipeline.record import Record
 
@@ -19,7 +20,18 @@ Columns = dict[str, np.ndarray[Any, Any]]
 
 
 class Unanswerable(Exception):
-    """A value that this run does not hold; the message says what is missing."""
+    """A value that this run does not hold; the message says what is missing.
+
+    Arguments
+    ---------
+    why : what is missing; where an operand is given, what is wrong with it.
+    operand : what has no number; its words stand before the reason.
+    """
+
+    def __init__(self, why: str, operand: Operand | None = None) -> None:
+        super().__init__(why if operand is None else f"{text(operand)} {why}")
+        self.why = why
+        self.operand = operand
 
 
 class Reader(Protocol):
@@ -174,6 +186,45 @@ class Sample(Lookup):
         if isinstance(operand, Value) and declared and is_named(declared.table) and self.unit(operand) == "s":
             return float("inf")
         raise Unanswerable(f"{name} is empty")
+
+
+def number(operand: Operand, reader: Reader) -> float:
+    """Return the number an operand stands for.
+
+    Raises
+    ------
+    Unanswerable : an input is not part of the run, or a value is empty or not a number.
+    """
+    result = _number(operand, reader)
+    if math.isnan(result):
+        raise Unanswerable("is not a number", operand)
+    return result
+
+
+def _number(operand: Operand, reader: Reader) -> float:
+    held = reader.held(operand)
+    if held is not None:
+        return held
+    match operand:
+        case Value():
+            return reader.number(operand)
+        case Difference(difference=(left, right)):
+            return number(left, reader) - number(right, reader)
+        case Ratio(ratio=(left, right)):
+            divisor = number(right, reader)
+            return number(left, reader) / divisor if divisor else math.nan
+        case Product(product=factors):
+            return math.prod(number(factor, reader) for factor in factors)
+        case Total(total=column):
+            found = reader.column(column)
+            return float(np.sum(found)) if len(found) else math.nan
+        case AtTime(at_time=moment):
+            time = number(moment.time, reader)
+            if math.isinf(time):
+                raise Unanswerable("was not reached by the charge", moment.time)
+            return float(np.interp(time, *reader.series(moment.value)))
+        case _:
+            return float(operand)
 
 
 def _chosen(value: Value, data: Columns) -> np.ndarray[Any, Any]:

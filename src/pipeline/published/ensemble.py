@@ -18,9 +18,8 @@ from pipeline.kernel import tables
 from pipeline.kernel.artefacts import Output
 from pipeline.kernel.scope import below
 from pipeline.kernel.tables import Column, Table, TableFile
-from pipeline.published.artefacts import Lookup, Unanswerable
+from pipeline.published.artefacts import Lookup, Unanswerable, number
 from pipeline.published.operands import Operand, atoms, text, values
-from pipeline.published.predicates import number
 from pipeline.published.reference import kind
 from pipeline.published.words import PARAMETERS
 from pipeline.record import Record

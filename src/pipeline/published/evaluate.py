@@ -7,11 +7,11 @@ from collections.abc import Collection, Mapping, Sequence
 from typing import Any
 
 from pipeline.kernel.tables import Column, Table
-from pipeline.published.artefacts import Impossible, Lookup, Sample, Unanswerable
+from pipeline.published.artefacts import Impossible, Lookup, Sample, Unanswerable, number
 from pipeline.published.operands import atoms, text
-from pipeline.published.predicates import Outcome, apply, number
+from pipeline.published.predicates import Outcome, apply
 from pipeline.published.records import Size, Statement
-from pipeline.published.wording import Wording
+from pipeline.published.wording import Wording, exact, opened
 from pipeline.published.words import PARAMETERS, RESAMPLED, SEEDS, WORDS, Robust, word
 
 VERDICTS = Table(
@@ -57,6 +57,7 @@ def evaluate(
     artefacts: Lookup,
     calibrated_to: Collection[str] = (),
     samples: Sequence[Sample] = (),
+    called: Mapping[str, str] | None = None,
 ) -> dict[str, list[Any]]:
     """Return the columns of the table of verdicts, a row per statement in the order given.
 
@@ -66,22 +67,31 @@ def evaluate(
     artefacts : what this run made.
     calibrated_to : identifiers of the statements that a parameter they depend on was calibrated to.
     samples : the points of the ensembles.
+    called : what quantities, modes and comparisons are called in sentences.
     """
-    rows = [_row(name, stated, artefacts, samples, name in calibrated_to) for name, stated in statements.items()]
+    rows = [
+        _row(name, stated, artefacts, samples, name in calibrated_to, called or {})
+        for name, stated in statements.items()
+    ]
     return {column: [row[column] for row in rows] for column in COLUMNS}
 
 
 def _row(
-    name: str, stated: Statement, artefacts: Lookup, samples: Sequence[Sample], calibrated: bool
+    name: str,
+    stated: Statement,
+    artefacts: Lookup,
+    samples: Sequence[Sample],
+    calibrated: bool,
+    called: Mapping[str, str],
 ) -> dict[str, Any]:
     row: dict[str, Any] = dict.fromkeys(COLUMNS)
     row |= {"statement": name, "met": ""}
     row |= stated.model_dump(include={"where", "says", "reading", "conditions", "basis", "unit"})
     if stated.check is None:
-        return row | _without_a_check(stated, artefacts)
+        return row | _without_a_check(stated, artefacts, called)
     try:
-        outcome = apply(stated.check, artefacts, stated.unit)
-        small = "" if stated.asks is None else _smaller(stated.asks, artefacts)
+        outcome = apply(stated.check, artefacts, stated.unit, called)
+        small = "" if stated.asks is None else _smaller(stated.asks, artefacts, called)
     except Unanswerable as reason:
         return row | {"verdict": "not checkable", "explanation": f"Missing: {reason}."}
     row["computed_value"] = _finite(outcome.computed)
@@ -99,28 +109,30 @@ def _row(
     }
 
 
-def _without_a_check(stated: Statement, artefacts: Lookup) -> dict[str, Any]:
+def _without_a_check(stated: Statement, artefacts: Lookup, called: Mapping[str, str]) -> dict[str, Any]:
     """Return what is missing, what would assess it, and what this run comes to all the same."""
+    words = Wording(artefacts, stated.unit, called)
     told, found = [f"missing: {stated.missing.rstrip('.')}"], []
     if stated.assessed_by:
         told = [f"not assessed: {stated.missing.rstrip('.')}", f"it would take {stated.assessed_by.rstrip('.')}"]
     try:
         found = [number(one, artefacts) for one in stated.ours]
     except Unanswerable as reason:
-        told.append(f"ours is missing too: {reason}")
+        told.append(f"ours is missing too: {words.reason(reason)}")
     if found:
-        told.append(f"ours: {Wording(artefacts, stated.unit).compared(stated.ours, found)}")
+        told.append(f"ours: {words.compared(stated.ours, found)}")
     shown = _finite(found[0]) if found else None
     return {"verdict": "not checkable", "computed_value": shown, "explanation": _sentences(*told)}
 
 
-def _smaller(size: Size, artefacts: Lookup) -> str:
+def _smaller(size: Size, artefacts: Lookup, called: Mapping[str, str]) -> str:
     """Return in words that this run is smaller than the paper's experiment; nothing where it is not."""
-    found = [artefacts.number(value) for value in size.ours]
-    if all(ours >= paper for ours, paper in zip(found, size.paper, strict=True)):
-        return ""
-    ours, paper = (" x ".join(f"{value:g}" for value in values) for values in (found, size.paper))
-    return f"{ours} of {paper}: not checkable at this size"
+    words = Wording(artefacts, "1", called)
+    sizes = zip([artefacts.number(value) for value in size.ours], size.paper, size.ours, strict=True)
+    fewer = [
+        f"{exact(ours)} of the paper's {exact(paper)} {words.shape(one)}" for ours, paper, one in sizes if ours < paper
+    ]
+    return f"too small to tell: {', '.join(fewer)}" if fewer else ""
 
 
 def _shares(robust: Robust | None) -> dict[str, float | None]:
@@ -168,4 +180,4 @@ def _finite(value: float | None) -> float | None:
 
 
 def _sentences(*parts: str) -> str:
-    return " ".join(f"{part[0].upper()}{part[1:]}." for part in parts if part)
+    return " ".join(f"{opened(part)}." for part in parts if part)

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 
 import numpy as np
 
 from pipeline.errors import UserError
-from pipeline.published.artefacts import Columns, Reader, Unanswerable
-from pipeline.published.operands import AtTime, Difference, Operand, Product, Ratio, Total, Value
+from pipeline.published.artefacts import Columns, Reader, Unanswerable, number
+from pipeline.published.operands import Operand, Value, values
 from pipeline.published.records import (
     AllOf,
     Check,
@@ -24,9 +25,12 @@ from pipeline.published.records import (
     Smallest,
     TableEquals,
     TablePair,
+    Told,
     Within,
+    compared,
 )
-from pipeline.published.wording import Wording, plain
+from pipeline.published.reference import PRINTED, kind
+from pipeline.published.wording import SAME, Wording, exact, of_differences, opened, plain
 
 
 @dataclass(frozen=True)
@@ -46,7 +50,7 @@ class Outcome:
     tolerance: float | None = None
 
 
-def apply(check: Check, reader: Reader, unit: str) -> Outcome:
+def apply(check: Check, reader: Reader, unit: str, called: Mapping[str, str] | None = None) -> Outcome:
     """Return what a predicate finds.
 
     Arguments
@@ -54,12 +58,20 @@ def apply(check: Check, reader: Reader, unit: str) -> Outcome:
     check : the predicate.
     reader : the artefacts.
     unit : unit of the values compared, for the sentence, where no table declares it.
+    called : what quantities, modes and comparisons are called, as `Wording` takes it.
 
     Raises
     ------
     Unanswerable : a value it needs is not there.
     """
-    told = Wording(reader, unit)
+    told = Wording(reader, unit, called)
+    try:
+        return _apply(check, reader, told, unit, called or {})
+    except Unanswerable as lack:
+        raise type(lack)(told.reason(lack)) from None
+
+
+def _apply(check: Check, reader: Reader, told: Wording, unit: str, called: Mapping[str, str]) -> Outcome:
     match check:
         case Close(close=limits):
             return _close(limits, reader, told)
@@ -76,98 +88,78 @@ def apply(check: Check, reader: Reader, unit: str) -> Outcome:
         case TableEquals(table_equals=pair):
             return _table_equals(pair, reader, unit)
         case AllOf(all=parts):
-            return _all([apply(part, reader, unit) for part in parts])
+            shared = _shared_row(parts)
+            inner = told if shared is None else Wording(reader, unit, called, shared.where)
+            found = [_apply(part, reader, inner, unit, called) for part in parts]
+            return _all(found, "" if shared is None else told.row(shared, shared.where))
     raise TypeError(f"no predicate: {check!r}")
-
-
-def number(operand: Operand, reader: Reader) -> float:
-    """Return the number an operand stands for.
-
-    Raises
-    ------
-    Unanswerable : an input is not part of the run, or a value is empty or not a number.
-    """
-    result = _number(operand, reader)
-    if math.isnan(result):
-        raise Unanswerable(f"{_label(operand, reader)} is not a number")
-    return result
-
-
-def _number(operand: Operand, reader: Reader) -> float:
-    held = reader.held(operand)
-    if held is not None:
-        return held
-    match operand:
-        case Value():
-            return reader.number(operand)
-        case Difference(difference=(left, right)):
-            return number(left, reader) - number(right, reader)
-        case Ratio(ratio=(left, right)):
-            divisor = number(right, reader)
-            return number(left, reader) / divisor if divisor else math.nan
-        case Product(product=factors):
-            return math.prod(number(factor, reader) for factor in factors)
-        case Total(total=column):
-            found = reader.column(column)
-            return float(np.sum(found)) if len(found) else math.nan
-        case AtTime(at_time=moment):
-            time = number(moment.time, reader)
-            if math.isinf(time):
-                raise Unanswerable(f"{_label(moment.time, reader)}: the charge did not reach it")
-            return float(np.interp(time, *reader.series(moment.value)))
-        case _:
-            return float(operand)
 
 
 def _close(limits: CloseTo, reader: Reader, told: Wording) -> Outcome:
     value, target = number(limits.value, reader), number(limits.to, reader)
     allowed = limits.tolerance if limits.tolerance is not None else abs(target) * (limits.relative_tolerance or 0.0)
-    margin = _known(allowed - abs(value - target), limits.value, reader)
-    operands, unit = (limits.value, limits.to), told.unit((limits.value, limits.to))
-    if isinstance(limits.to, float):
-        required = f"{told.compared(operands[:1], (value,))}; required: {plain(target, unit)}, "
+    margin = _known(allowed - abs(value - target), limits.value)
+    operands, unit, apart = (limits.value, limits.to), told.unit((limits.value, limits.to)), abs(value - target)
+    counted = allowed < 1.0 and unit == "1" and value == round(value) and target == round(target)
+    if isinstance(limits.to, float) or _is_printed(limits.to):
+        asked = told.compared(operands[:1], (value,), limits, min(apart, abs(margin)))
+        width = "" if counted else f"{exact(target)} ± {exact(allowed, unit)}"
+        printed = ", as printed" if _is_printed(limits.to) else ""
+        sentence = f"{asked}; required: {width or exact(target, unit)}{printed}"
     else:
-        required = f"{told.compared(operands, (value, target))}; "
-    sentence = f"{required}tolerance ±{plain(allowed, unit)}"
+        within = f"required: equal within {exact(allowed, of_differences(unit))}"
+        found = f"found {plain(apart, of_differences(unit))} apart"
+        required = "required: equal" if counted else f"{within}; {found}"
+        sentence = f"{told.compared(operands, (value, target), limits, apart)}; {required}"
     return Outcome(margin >= 0, margin, _share(margin, allowed), sentence, value, target, allowed)
 
 
-def _ordered(pair: Ordered, reader: Reader, told: Wording, sign: int) -> Outcome:
+def _is_printed(operand: Operand) -> bool:
+    """Tell whether an operand is a number of the paper, so that it counts as the one that is required."""
+    return isinstance(operand, Value) and kind(operand.artefact) == PRINTED
+
+
+def _ordered(pair: Ordered, reader: Reader, told: Wording, side: int) -> Outcome:
     value, bound = number(pair.value, reader), number(pair.than, reader)
-    margin = _known(sign * (value - bound) - pair.by, pair.value, reader)
-    operands, than = (pair.value, pair.than), ">" if sign > 0 else "<"
+    ahead = side * (value - bound)
+    margin = _known(ahead - pair.by, pair.value)
+    operands, than = (pair.value, pair.than), ">" if side > 0 else "<"
     unit = told.unit(operands)
+    given = 1 if isinstance(pair.than, float) else 2
+    asked = told.compared(operands[:given], (value, bound)[:given], pair, abs(ahead))
     if isinstance(pair.than, float):
-        required = f"{told.compared(operands[:1], (value,))}; required: {than} {plain(bound, unit)}"
+        required = f"{than} {exact(bound + side * pair.by, unit)}"
+    elif names := told.names(operands, pair):
+        required = f"{names[0]} {than} {names[1]}{_least(pair.by, ahead, unit)}"
     else:
-        required = f"{told.compared(operands, (value, bound))}; required: {f' {than} '.join(told.names(operands))}"
-    sentence = required + _least(pair.by, sign * (value - bound), unit)
+        required = f"the first {'larger' if side > 0 else 'smaller'}{_least(pair.by, ahead, unit)}"
     published = bound if isinstance(pair.than, float) else None
-    return Outcome(margin > 0, margin, _share(margin, bound), sentence, value, published)
+    return Outcome(margin > 0, margin, _share(margin, bound), f"{asked}; required: {required}", value, published)
 
 
-def _extreme(extreme: Extreme, reader: Reader, told: Wording, sign: int) -> Outcome:
+def _extreme(extreme: Extreme, reader: Reader, told: Wording, side: int) -> Outcome:
     value = number(extreme.value, reader)
     others = [number(other, reader) for other in extreme.among]
-    ahead = min(sign * (value - other) for other in others)
-    margin = _known(ahead - extreme.by, extreme.value, reader)
+    ahead = min(side * (value - other) for other in others)
+    margin = _known(ahead - extreme.by, extreme.value)
     operands = (extreme.value, *extreme.among)
-    required = f"{told.names(operands)[0]} {'largest' if sign > 0 else 'smallest'}"
-    least = _least(extreme.by, ahead, told.unit(operands))
-    sentence = f"{told.compared(operands, (value, *others))}; required: {required}{least}"
-    return Outcome(margin > 0, margin, _share(margin, value), sentence, value)
+    first = next(iter(told.names(operands, extreme)), "the first")
+    required = f"{first} {'largest' if side > 0 else 'smallest'}{_least(extreme.by, ahead, told.unit(operands))}"
+    asked = told.compared(operands, (value, *others), extreme, abs(ahead))
+    return Outcome(margin > 0, margin, _share(margin, value), f"{asked}; required: {required}", value)
 
 
 def _least(by: float, found: float, unit: str) -> str:
     """Return the margin that is required and the one found, where one is required."""
-    return f" by at least {plain(by, unit)}; found {plain(found, unit)}" if by else ""
+    unit = of_differences(unit)
+    return f" by at least {exact(by, unit)}; found {plain(found, unit)}" if by else ""
 
 
 def _within(limits: Range, reader: Reader, told: Wording) -> Outcome:
     value = number(limits.value, reader)
-    margin = _known(min(value - limits.low, limits.high - value), limits.value, reader)
-    low, high = (plain(end, told.unit((limits.value,))) for end in (limits.low, limits.high))
-    sentence = f"{told.compared((limits.value,), (value,))}; required: {low} to {high}"
+    margin = _known(min(value - limits.low, limits.high - value), limits.value)
+    asked = told.compared((limits.value,), (value,), limits, abs(margin))
+    sentence = f"{asked}; required: {exact(limits.low)} to {exact(limits.high, told.unit((limits.value,)))}"
     return Outcome(margin >= 0, margin, _share(margin, (limits.high - limits.low) / 2), sentence, value)
 
 
@@ -184,8 +176,10 @@ def _table_equals(pair: TablePair, reader: Reader, unit: str) -> Outcome:
             where = f"column {ours}, row {int(distances.argmax()) + 1}"
     margin = pair.tolerance - worst
     cells = len(rows) * len(pair.columns)
-    largest = f"largest deviation of {cells} cells: {plain(worst, unit)} ({where})"
-    sentence = f"{largest}; tolerance ±{plain(pair.tolerance, unit)}"
+    allowed = f"tolerance ±{exact(pair.tolerance, unit)}"
+    sentence = f"all {cells} cells agree; {allowed}"
+    if worst > SAME * pair.tolerance:
+        sentence = f"largest deviation of {cells} cells: {plain(worst, unit)} ({where}); {allowed}"
     return Outcome(margin >= 0, margin, _share(margin, pair.tolerance), sentence, tolerance=pair.tolerance)
 
 
@@ -205,19 +199,33 @@ def _matching(pair: TablePair, printed: Columns, found: Columns) -> list[int]:
     return [keys[key] for key in wanted]
 
 
-def _all(parts: list[Outcome]) -> Outcome:
+def _parts(checks: tuple[Check, ...]) -> Iterator[Operand]:
+    """Yield what the parts of a predicate compare."""
+    for check in checks:
+        for name in type(check).model_fields:
+            part = getattr(check, name)
+            yield from _parts(part) if isinstance(part, tuple) else compared(part) if isinstance(part, Told) else ()
+
+
+def _shared_row(parts: tuple[Check, ...]) -> Value | None:
+    """Return a value of the row that all values of several predicates share, a paper's own apart."""
+    found = [one for operand in _parts(parts) for one in values(operand) if kind(one.artefact) != PRINTED]
+    same = found and all(one.where == found[0].where and one.artefact == found[0].artefact for one in found)
+    return found[0] if same and found[0].where else None
+
+
+def _all(parts: list[Outcome], where: str) -> Outcome:
+    """Return the outcome of several predicates, a sentence each; what they share of their rows is told first."""
     share = min(part.share for part in parts)
-    return Outcome(all(part.holds for part in parts), share, share, "; ".join(part.sentence for part in parts))
+    told = ". ".join(opened(part.sentence) for part in parts)
+    sentence = f"{opened(where)}. {told}" if where else told
+    return Outcome(all(part.holds for part in parts), share, share, sentence)
 
 
-def _known(margin: float, operand: Operand, reader: Reader) -> float:
+def _known(margin: float, operand: Operand) -> float:
     if math.isnan(margin):
-        raise Unanswerable(f"{_label(operand, reader)}: neither this nor what it is compared with was reached")
+        raise Unanswerable("was not reached, and neither was what it is compared with", operand)
     return margin
-
-
-def _label(operand: Operand, reader: Reader) -> str:
-    return Wording(reader, "1").label(operand)
 
 
 def _share(margin: float, allowed: float) -> float:

@@ -11,7 +11,28 @@ from pipeline.published.words import Basis
 from pipeline.record import Record
 
 
-class CloseTo(Record):
+class Told(Record):
+    """How the sentence of a predicate calls what it compares, where the names of quantities do not read well."""
+
+    of: str = Field(default="", description="what is compared; the names below then tell its values apart")
+    called: tuple[str, ...] = Field(default=(), description="names of what is compared, in order, without bare numbers")
+
+    @model_validator(mode="after")
+    def _a_name_each(self) -> Told:
+        given = len(compared(self))
+        if self.called and len(self.called) != given:
+            raise ValueError(f"called has {len(self.called)} names for {given} values")
+        return self
+
+
+def compared(told: Told) -> list[Operand]:
+    """Return what a predicate compares, in order, without bare numbers."""
+    parts = (getattr(told, name) for name in ("value", "to", "than", "among") if hasattr(told, name))
+    listed = [one for part in parts for one in (part if isinstance(part, tuple) else (part,))]
+    return [one for one in listed if not isinstance(one, float)]
+
+
+class CloseTo(Told):
     """Limits on the distance between a value and the number it should have."""
 
     value: Operand
@@ -26,7 +47,7 @@ class CloseTo(Record):
         return self
 
 
-class Ordered(Record):
+class Ordered(Told):
     """Two operands of which one must exceed the other by a required margin."""
 
     value: Operand
@@ -34,7 +55,7 @@ class Ordered(Record):
     by: float = Field(default=0.0, ge=0, description="required margin [unit of the statement]")
 
 
-class Extreme(Record):
+class Extreme(Told):
     """A value and those it must outdo."""
 
     value: Operand
@@ -42,7 +63,7 @@ class Extreme(Record):
     by: float = Field(default=0.0, ge=0, description="required margin [unit of the statement]")
 
 
-class Range(Record):
+class Range(Told):
     """A value and the closed range it must lie in."""
 
     value: Operand
@@ -156,6 +177,7 @@ class Size(Record):
 class Statement(Record):
     """One number, table, figure or claim of a paper, and how it is put to the test."""
 
+    title: str = Field(default="", description="what it is called on a page; its identifier in words without one")
     where: str = Field(min_length=1, description="where it stands in the paper")
     says: str = Field(min_length=1, description="what it says, in the paper's words where they are words")
     form: Literal["number", "table", "figure", "claim"] = Field(

@@ -41,6 +41,10 @@ def check_statements(study: Any) -> None:
     for name, choice in study.answer.items():
         for value in (one for operand in choice.among.values() for one in values(operand)):
             known.check_value(name, value, "answer")
+    words = _told(study)
+    for name in study.called:
+        if name not in words:
+            raise UserError(f"called.{name}: no statement reads {name!r}; {best_matches(name, words)}")
     own = f"{study.study.name}."
     fitted = {source.to for source in study.sources.values() if source.to is not None}
     for identifier in sorted(name.removeprefix(own) for name in fitted if name.startswith(own)):
@@ -49,6 +53,14 @@ def check_statements(study: Any) -> None:
                 f"a source is calibrated to {identifier!r}, which no published statement is called; "
                 + best_matches(identifier, study.published)
             )
+
+
+def _told(study: Any) -> set[str]:
+    """Return the names that sentences of verdicts say: of quantities, columns, rows, and parts of artefacts' names."""
+    found = [value for stated in study.published.values() for value in read_values(stated)]
+    rows = {str(part) for value in found for pair in value.where.items() for part in pair}
+    artefacts = {part for value in found for part in value.artefact.split("/")}
+    return {value.quantity for value in found} | rows | artefacts
 
 
 class _Known:

@@ -12,8 +12,8 @@ from pipeline.published.words import BASES, ENOUGH, WORDS
 from pipeline.report.tables import Cell, ReportTable, plain
 from pipeline.report.text import spelt, words
 
-CLOSE = 0.01
-"""Share of a computed value below which its margin is a close call."""
+CLOSE, CLOSE_OF_ALLOWED = 0.01, 0.1
+"""Share of a computed value, and where a tolerance is given of that, below which its margin is a close call."""
 AS_STATED = "as stated"
 
 
@@ -30,6 +30,7 @@ class Rests:
     fitted : key paths behind it that were calibrated or fitted.
     file, key : where the statement is written.
     command : what to type to compute it again.
+    title : what the statement is called; its identifier in words where it has none.
     """
 
     artefacts: Sequence[str] = ()
@@ -40,6 +41,7 @@ class Rests:
     file: str = ""
     key: str = ""
     command: str = ""
+    title: str = ""
 
 
 @dataclass(frozen=True)
@@ -108,12 +110,17 @@ def claims(
     found = []
     for says, group in by_says.items():
         identifiers = [str(row["statement"]) for row in group]
-        readings = [_written(reading, names or {}) for reading in _readings(identifiers)]
+        titles = [rests.get(name, Rests()).title for name in identifiers]
+        readings = [
+            own or _written(reading, names or {}) for own, reading in zip(titles, _readings(identifiers), strict=True)
+        ]
         own = [
             _verdict(row, reading, rests.get(name, Rests()), figures, tables)
             for name, row, reading in zip(identifiers, group, readings, strict=True)
         ]
-        title = _written(_title(identifiers), names or {})
+        if len(group) == 1:
+            own = [replace(own[0], reading=AS_STATED)]
+        title = (len(group) == 1 and titles[0]) or _written(_title(identifiers), names or {})
         found.append(Claim(title[:1].upper() + title[1:], says, str(group[0]["where"]), own))
     return found
 
@@ -143,7 +150,7 @@ def matrix(found: Sequence[Claim]) -> list[tuple[str, list[str], list[tuple[Clai
             rows += [(claim, cells)] if any(cells) else []
             for one in claim.verdicts:
                 if one.reading not in columns:
-                    name = f"{claim.name}: {one.reading}" if claim.name else one.reading
+                    name = f"{claim.name}: {one.reading}" if claim.name and not one.rests.title else one.reading
                     alone = replace(claim, name=name[:1].upper() + name[1:], verdicts=[one])
                     rows.append((alone, [[one], *([] for _ in columns[1:])]))
         used = [place for place in range(len(columns)) if any(cells[place] for _, cells in rows)]
@@ -202,7 +209,10 @@ def _close(row: Mapping[str, Cell]) -> str:
             if low < bound < high:
                 return f"the interval of its share, {100 * low:.0f} to {100 * high:.0f} %, spans {100 * bound:.0f} %"
         return ""
-    margin, value = row["margin"], row["computed_value"]
+    margin, value, allowed = row["margin"], row["computed_value"], row["tolerance"]
+    if isinstance(margin, float) and isinstance(allowed, float) and allowed:
+        part = 100 * abs(margin / allowed)
+        return f"its margin is {part:.2g} % of the tolerance" if part < 100 * CLOSE_OF_ALLOWED else ""
     if isinstance(margin, float) and isinstance(value, float) and value and abs(margin) < CLOSE * abs(value):
         part = 100 * abs(margin / value)
         return f"its margin is {part:.2g} % of the computed value" if part else "it lies on the limit"

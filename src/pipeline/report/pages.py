@@ -12,7 +12,7 @@ from typing import Any, NamedTuple
 
 from pipeline.published.words import BASES, WORDS, counted
 from pipeline.report import text
-from pipeline.report.claims import Rests, claims, count_bar, matrix
+from pipeline.report.claims import AS_STATED, Rests, claims, count_bar, matrix
 from pipeline.report.tables import Parameter, ReportTable
 from pipeline.report.traces import MOST_POINTS
 
@@ -160,6 +160,7 @@ def render(content: PageContent) -> str:
         matrix=matrix(found),
         counts=counts | {"all": Counter(str(word) for word in content.verdicts["verdict"])},
         bar=count_bar(counts["statements"]),
+        as_stated=AS_STATED,
         close_calls=sum(bool(one.close) for claim in found for one in claim.verdicts),
         published=[table for table in content.tables if table.paper],
         tables=[table for table in content.tables if not table.paper],

@@ -28,6 +28,7 @@ _ENDINGS = {
 _WORDS = {
     "soc": "SOC", "ise": "ISE", "mse": "MSE", "anfis": "ANFIS", "grnn": "GRNN", "cv": "CV", "cc": "CC", "dt": "dt",
     "w": "W", "pid": "PID", "ga": "GA", "rbf": "RBF", "c1": "C1", "c2": "C2", "p": "p", "r": "r",
+    "reflex": "Reflex", "lyapunov": "Lyapunov",
 }  # fmt: skip
 
 

@@ -70,7 +70,7 @@ def test_a_charge_that_missed_its_goal_is_told_in_a_sentence(tmp_path: Path) -> 
     summary = {
         "quantity": ["missed"],
         "value": [None],
-        "text": ["SOC 0.95 not reached, SOC 0.18 at 8 h: 8 h time limit"],
+        "text": ["SOC 0.95 not reached: stopped by the 8 h time limit at SOC 0.18"],
         "unit": [""],
         "description": [""],
     }
@@ -79,7 +79,9 @@ def test_a_charge_that_missed_its_goal_is_told_in_a_sentence(tmp_path: Path) -> 
     inputs = {"charge/peak/cc": tmp_path / "missed", "charge/peak/reflex": tmp_path / "reached"}
     labels = {"cc": ModeLabel("CC-CV"), "reflex": ModeLabel("CV-Reflex")}
     data = ReportData(making.inputs(inputs), labels, {"peak": "Same peak current"})
-    assert page.notes(data) == ["CC-CV (Same peak current): SOC 0.95 not reached, SOC 0.18 at 8 h: 8 h time limit."]
+    assert page.notes(data) == [
+        "CC-CV (Same peak current): SOC 0.95 not reached: stopped by the 8 h time limit at SOC 0.18."
+    ]
 
 
 def test_the_page_says_which_currents_a_comparison_scaled() -> None:

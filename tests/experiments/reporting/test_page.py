@@ -51,7 +51,7 @@ def judged(tmp_path: Path) -> dict[str, Path]:
     """Return the artefacts of a run: a number, the verdict on it, a figure."""
     making.output("search", tmp_path / "search").numbers([Quantity("frequency_hz", 90.25, "Hz", "")])
     inputs = making.inputs({"search": tmp_path / "search"})
-    asked = {"statements": [STATEMENT], "answer": [], "calibrated": {}, "second_calibrated": None}
+    asked = {"statements": [STATEMENT], "answer": [], "called": [], "calibrated": {}, "second_calibrated": None}
     verdicts.run(asked, inputs, making.output("verdicts", tmp_path / "verdicts"))
     (tmp_path / "figure").mkdir()
     (tmp_path / "figure" / "one.svg").write_text("<svg></svg>", encoding="utf-8")
@@ -62,7 +62,7 @@ def judged(tmp_path: Path) -> dict[str, Path]:
 def test_a_statement_becomes_a_verdict(judged: dict[str, Path]) -> None:
     found = making.inputs(judged).table("verdicts", "verdicts")
     assert (found["verdict"][0], found["margin"][0]) == ("holds", 0.25)
-    assert found["explanation"][0] == "Frequency of search: 90.25 Hz; required: 90 Hz, tolerance ±0.5 Hz."
+    assert found["explanation"][0] == "Frequency: 90.25 Hz; required: 90 ± 0.5 Hz."
 
 
 def test_a_page_without_any_experiment_shows_verdicts_figures_and_parameters(

@@ -37,6 +37,11 @@ class ReportingPart(Record):
 
     figures: dict[str, FigureCard] = Field(default_factory=dict)
     published: dict[str, Statement] = Field(default_factory=dict)
+    called: dict[str, str] = Field(
+        default_factory=dict,
+        description="what the sentences of verdicts call a quantity, column, mode or comparison whose name does not "
+        "read well",
+    )
     answer: dict[str, Choice] = Field(default_factory=dict, description="in what the study's alternatives are compared")
     hero: str = Field(default="", description="figure that shows the answer; the first of the page without")
     captions: dict[str, str] = Field(
@@ -44,8 +49,11 @@ class ReportingPart(Record):
     )
 
 
-def _judged(config: Any, calibrated: Any, second_calibrated: Any) -> dict[str, Any]:
+def _judged(config: Any, calibrated: Any, second_calibrated: Any, **_: Any) -> dict[str, Any]:
+    titles = {name: config.modes[name].title for name in config.run}
+    alone = {name: "" for name in config.comparisons if len(config.comparisons) == 1}
     return {
+        "called": [{"name": name, "words": words} for name, words in (titles | alone | config.called).items()],
         "statements": named(config.published),
         "answer": named(config.answer),
         "calibrated": calibrated,
@@ -93,7 +101,7 @@ JUDGED = Step(
     rule="judge_statements",
     message="Verdicts on the published statements: {chunk}",
     settings=_judged,
-    reads=("published", "answer"),
+    reads=("published", "answer", "called", *_TITLES),
     takes=(EVERYTHING,),
     tables={name: TableFile(f"{name}.parquet", VERDICTS) for name in ("verdicts", "second")}
     | {"answer": TableFile("answer.parquet", ANSWER)},
@@ -185,6 +193,7 @@ def _verdicts(study: Any, made: Sequence[Draft]) -> Iterator[Node]:
     which = {
         "calibrated": _calibrated(study, made, asked),
         "second_calibrated": None if second is None else _calibrated(study, made, second),
+        **_choices(study),
     }
     inputs = {name: name for name in sorted(wanted & known)}
     yield Node(JUDGED, "verdicts", study.study.name, which, inputs=inputs, shown=shown)
@@ -264,6 +273,7 @@ def _rests(study: Any, made: Sequence[Draft], drawn: Sequence[Node]) -> dict[str
             "file": file,
             "key": name if file.startswith("conf/published") else f"published.{name}",
             "command": _again(study, own),
+            "title": stated.title,
         }
     return found
 

@@ -53,10 +53,10 @@ def run(settings: Mapping[str, Any], inputs: Inputs, output: Output) -> None:
         data["name"]: Statement.model_validate({key: value for key, value in data.items() if key != "name"})
         for data in settings["statements"]
     }
-    calibrated = set(settings["calibrated"])
+    calibrated, called = set(settings["calibrated"]), {one["name"]: one["words"] for one in settings["called"]}
     nominal = Lookup(inputs)
     points = samples(inputs, nominal)
-    output.write("verdicts", evaluate(statements, nominal, calibrated, points))
+    output.write("verdicts", evaluate(statements, nominal, calibrated, points, called))
     choices = {
         data["name"]: Choice.model_validate({key: value for key, value in data.items() if key != "name"})
         for data in settings["answer"]
@@ -65,4 +65,4 @@ def run(settings: Mapping[str, Any], inputs: Inputs, output: Output) -> None:
     if settings["second_calibrated"] is not None:
         second = Lookup(inputs.renamed(in_place_of_the_first(inputs)))
         calibrated = set(settings["second_calibrated"])
-        output.write("second", evaluate(answered_by_charges(statements), second, calibrated))
+        output.write("second", evaluate(answered_by_charges(statements), second, calibrated, called=called))
