@@ -283,6 +283,45 @@ def test_only_what_scrolls_takes_the_focus(visit: Open) -> None:
     assert wrong == 0
 
 
+def test_a_drawing_can_be_enlarged_and_panned_on_a_phone(visit: Open) -> None:
+    """At its own size, so that its text is as large as it was made, whatever the window's width."""
+    tab = visit(MADE_UP[1], 360, has_touch=True, is_mobile=True)
+    link = tab.locator("#figure_11 .drawing a")
+    small = link.locator("img").bounding_box()
+    assert small["width"] <= 360
+    link.tap()
+    pan = tab.locator("dialog.enlarged .pan")
+    shown = pan.locator("img").bounding_box()
+    assert shown["width"] >= 864
+    assert pan.evaluate("(one) => one.scrollWidth > one.clientWidth")
+    assert pan.evaluate("(one) => { one.scrollTo(400, 0); return one.scrollLeft }") == 400
+    tab.locator("dialog [aria-label=Larger]").tap()
+    assert pan.locator("img").bounding_box()["width"] > 1000
+    tab.keyboard.press("Escape")
+    assert tab.locator("dialog[open]").count() == 0
+    assert tab.evaluate("document.activeElement.getAttribute('href')") == "figures/figure_11.svg"
+    assert tab.evaluate("document.documentElement.scrollWidth") <= 360
+
+
+def test_without_script_or_on_a_wide_window_a_drawing_leads_to_its_file(visit: Open) -> None:
+    for options in ({"width": 360, "java_script_enabled": False}, {"width": 1280}):
+        tab = visit(MADE_UP[1], **options)
+        tab.locator("#figure_11 .drawing a").click()
+        assert tab.url.endswith("/figures/figure_11.svg")
+
+
+@pytest.mark.parametrize("folder", PUBLISHED, ids=lambda path: path.parent.name)
+def test_every_drawing_opens_at_the_size_it_was_made(visit: Open, folder: Path) -> None:
+    tab = visit(folder / "index.html", 360, has_touch=True, is_mobile=True)
+    for link in tab.locator(".drawing a").all()[:3]:
+        made = int(link.locator("img").get_attribute("width"))
+        link.evaluate("(one) => one.scrollIntoView({block: 'center'})")
+        link.tap()
+        tab.wait_for_function("document.querySelector('dialog img').complete")
+        assert tab.locator("dialog img").bounding_box()["width"] == pytest.approx(made, abs=1)
+        tab.locator("dialog form button:last-child").tap()
+
+
 def test_without_script_everything_is_there_to_read(visit: Open) -> None:
     tab = visit(MADE_UP[1], java_script_enabled=False)
     assert not tab.is_visible(".filter")

@@ -91,6 +91,42 @@
     }
   };
 
+  // A drawing that is shown smaller than it was made opens at its own size, to be panned; without script its link
+  // leads to the file.
+  const enlarge = () => {
+    let dialog;
+    const open = (picture) => {
+      dialog?.remove();
+      dialog = document.createElement("dialog");
+      dialog.className = "enlarged";
+      dialog.setAttribute("aria-label", picture.alt.split(". ")[0]);
+      dialog.innerHTML = '<form method="dialog"><button type="button" data-by="0.8" aria-label="Smaller">−</button>'
+        + '<button type="button" data-by="1.25" aria-label="Larger">+</button><button>Close</button></form>'
+        + '<div class="pan" tabindex="0" role="region" aria-label="Drawing, scrolls"></div>';
+      const shown = new Image();
+      shown.src = picture.currentSrc || picture.src;
+      shown.alt = picture.alt;
+      let width = Number(picture.getAttribute("width"));
+      const size = (by) => {
+        width = Math.min(4000, Math.max(300, width * by));
+        shown.style.width = `${width}px`;
+      };
+      size(1);
+      one(".pan", dialog).append(shown);
+      for (const button of all("[data-by]", dialog)) button.addEventListener("click", () => size(Number(button.dataset.by)));
+      dialog.addEventListener("close", () => picture.closest("a").focus());
+      document.body.append(dialog);
+      dialog.showModal();
+    };
+    document.addEventListener("click", (event) => {
+      const picture = event.target.closest(".drawing a")?.querySelector("img");
+      if (!picture || event.ctrlKey || event.metaKey || event.shiftKey) return;
+      if (picture.clientWidth >= 0.8 * Number(picture.getAttribute("width"))) return;
+      event.preventDefault();
+      open(picture);
+    });
+  };
+
   // The entry of the contents that is being read.
   const contents = () => {
     const details = one(".contents details");
@@ -153,6 +189,7 @@
     filter();
     contents();
     regions();
+    enlarge();
     published();
     others();
     follow();
