@@ -21,6 +21,7 @@ from pipeline.published.evaluate import VERDICTS, evaluate
 from pipeline.published.records import Statement, Told, compared, needs
 from pipeline.published.vocabulary import check_statements
 from pipeline.published.wording import Wording
+from pipeline.report.claims import cited
 from tests import making
 from tests.published.conftest import CONF, FALSE, write_charge, write_points, write_reference, write_switched
 from tests.published.search_world import (
@@ -182,6 +183,18 @@ def test_marks_become_quantities() -> None:
 def test_a_name_that_no_sentence_says_is_refused() -> None:
     with pytest.raises(UserError, match=r"called\.peak_temperature_k: no statement reads 'peak_temperature_k'; best"):
         study_from(compose_tree(["study=nicd_grnn", "+called.peak_temperature_k=warmest"]))
+
+
+@pytest.mark.parametrize("name", ["solar_reflex", "nicd_grnn", "lfp_cuckoo"])
+def test_every_figure_of_a_paper_is_drawn_or_said_why_not(name: str) -> None:
+    """By their numbers: no gap up to the last, and none that a statement cites or a caption names is missing."""
+    study = study_from(compose_tree([f"study={name}"]))
+    there = {card.paper for card in study.figures.values() if card.paper} | set(study.not_drawn)
+    numbers = sorted(int(one.split()[1]) for one in there if one.startswith("Figure"))
+    assert sorted(set(numbers)) == list(range(1, numbers[-1] + 1))
+    asked = {one for stated in study.published.values() for one in cited(stated.where, "Figure")}
+    assert asked | {one for one in study.captions if one.startswith("Figure")} <= there
+    assert not {card.paper for card in study.figures.values()} & set(study.not_drawn)
 
 
 @pytest.mark.parametrize("name", ["solar_reflex", "nicd_grnn", "lfp_cuckoo"])

@@ -155,10 +155,14 @@ def test_the_size_of_a_drawing_is_that_of_its_head() -> None:
 
 def test_the_papers_caption_stands_beside_ours_and_what_is_not_drawn_is_said(content: PageContent) -> None:
     captions = {"Figure 11": "Battery current <comparison>.", "Figure 12": "An enlarged view."}
-    html = render(replace(content, paper=replace(content.paper, captions=captions)))
+    absent = {"Figure 2": "its picture is lost <here>", "Figure 11": "never told, since it is drawn"}
+    html = render(replace(content, paper=replace(content.paper, captions=captions, not_drawn=absent)))
     text = " ".join("".join(Page(html).text).split())
     assert 'The paper: Battery current <comparison>. Current "in" A' in text
-    assert "Figure 12 An enlarged view. Not drawn" in text
+    assert "Figure 12 not drawn The paper: An enlarged view. Not drawn, because this run leaves out" in text
+    assert "Figure 2 not drawn Not drawn, because its picture is lost <here>." in text
+    assert "never told" not in text
+    assert 'href="#absent-figure-2"' in html
 
 
 def test_every_column_has_a_header(page: Page) -> None:

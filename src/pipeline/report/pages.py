@@ -31,11 +31,18 @@ _POINTS_PER_PIXEL = 0.75
 
 @dataclass(frozen=True)
 class Paper:
-    """The paper a study follows; `captions` are its own, by `Figure 11` or `Table 2`."""
+    """The paper a study follows.
+
+    Arguments
+    ---------
+    captions : its own captions, by `Figure 11` or `Table 2`.
+    not_drawn : why the page has no figure or table for one of its own, by the same names.
+    """
 
     citation: str
     doi: str = ""
     captions: Mapping[str, str] = field(default_factory=dict)
+    not_drawn: Mapping[str, str] = field(default_factory=dict)
 
 
 @dataclass(frozen=True)
@@ -260,13 +267,20 @@ def _by_part(parameters: Sequence[Parameter]) -> list[tuple[str, list[Parameter]
     return list(found.items())
 
 
-def _not_drawn(content: PageContent) -> list[tuple[str, str]]:
-    """Return the figures of the paper that the page does not draw, with their captions, where these are known."""
-    drawn = {figure.paper for figure in content.every_figure()}
+LEFT_OUT = "this run leaves out what it shows"
+"""Why a figure of the paper is not there where nobody says otherwise: a run of other modes, say."""
+
+
+def _not_drawn(content: PageContent) -> list[tuple[str, str, str]]:
+    """Return the figures and tables of the paper that the page has none for: number, its caption where it is known,
+    and why.
+    """
+    paper = content.paper
+    shown = {one.paper for one in (*content.every_figure(), *content.every_table())}
     return [
-        (number, told)
-        for number, told in content.paper.captions.items()
-        if number.startswith("Figure") and number not in drawn
+        (number, paper.captions.get(number, ""), paper.not_drawn.get(number, LEFT_OUT))
+        for number in dict.fromkeys([*paper.captions, *paper.not_drawn])
+        if number not in shown
     ]
 
 

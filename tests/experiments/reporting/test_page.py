@@ -39,6 +39,7 @@ def settings(**changed: Any) -> dict[str, Any]:
         "modes": [],
         "comparisons": [],
         "captions": {},
+        "not_drawn": {},
         "rests": {"fast": {"artefacts": ["search"], "file": "conf/published/a.yaml", "key": "fast"}},
         "place": "a_study/seed=1",
         "hero": "one",

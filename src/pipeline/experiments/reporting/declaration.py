@@ -47,6 +47,9 @@ class ReportingPart(Record):
     captions: dict[str, str] = Field(
         default_factory=dict, description="the paper's own captions, by `Figure 11` or `Table 2`"
     )
+    not_drawn: dict[str, str] = Field(
+        default_factory=dict, description="why a figure or table of the paper has none of ours, by the same names"
+    )
 
 
 def _judged(config: Any, calibrated: Any, second_calibrated: Any, **_: Any) -> dict[str, Any]:
@@ -81,6 +84,7 @@ def _told(
         "rests": rests,
         "hero": config.hero,
         "captions": dict(config.captions),
+        "not_drawn": dict(config.not_drawn),
         "seed": config.seed,
         "study": config.study,
         "battery": config.battery.title,
@@ -128,7 +132,7 @@ TOLD = Step(
     # Titles of the battery and the modes, and what labels read, are among the parameters.
     reads=(
         *("study", "overrides", "configuration", "run", "comparisons.{comparisons}.title", "hero", "captions", "seed"),
-        *("figures.{figures}", "{parameters}"),
+        *("not_drawn", "figures.{figures}", "{parameters}"),
     ),
     takes=(EVERYTHING, "verdicts", "figures"),
     chunk=(1, 8),

@@ -46,7 +46,7 @@ def run(settings: Mapping[str, Any], inputs: Inputs, output: Output) -> None:
     content = PageContent(
         title=study["title"],
         subtitle=study["question"],
-        paper=Paper(study["paper"], study["doi"], settings["captions"]),
+        paper=Paper(study["paper"], study["doi"], settings["captions"], settings["not_drawn"]),
         verdicts=verdicts,
         figures=[figure for name, figure in figures.items() if name not in apart],
         tables=shown,
