@@ -16,15 +16,15 @@ CELL = Battery(**PLAIN)
 @pytest.mark.parametrize(
     ("stop", "missed"),
     [
-        ({"soc": 0.95}, "SOC 0.95 not reached: stopped by the 1000 s time limit at SOC 0.3778"),
+        ({"soc": 0.95}, "SOC 0.95 not reached, stopped by the 1000 s time limit at SOC 0.3778"),
         (
             {"soc": 0.95, "temperature_c": 25.5},
-            "SOC 0.95 not reached: stopped by the 25.5 °C temperature limit after 500 s at SOC 0.2389",
+            "SOC 0.95 not reached, stopped by the 25.5 °C temperature limit after 500 s at SOC 0.2389",
         ),
-        ({"voltage_v": 3.9}, "voltage 3.9 V not reached: stopped by the 1000 s time limit at SOC 0.3778"),
+        ({"voltage_v": 3.9}, "voltage 3.9 V not reached, stopped by the 1000 s time limit at SOC 0.3778"),
         (
             {"soc": 0.9, "voltage_drop_v": 0.02},
-            "SOC 0.9 or voltage below its peak by 0.02 V not reached: stopped by the 1000 s time limit at SOC 0.3778",
+            "SOC 0.9 or voltage below its peak by 0.02 V not reached, stopped by the 1000 s time limit at SOC 0.3778",
         ),
         ({"soc": 0.3}, ""),
         ({"soc": 0.3, "voltage_v": 3.9}, ""),
@@ -39,7 +39,7 @@ def test_a_goal_that_is_missed_is_named(stop, missed):
 
 def test_hours_are_told_as_hours():
     found = values(charge(CELL, constant(0.01, 8 * 3600, soc=0.95), settings(0.1, sample_interval_s=600.0)))
-    assert found["missed"] == "SOC 0.95 not reached: stopped by the 8 h time limit at SOC 0.18"
+    assert found["missed"] == "SOC 0.95 not reached, stopped by the 8 h time limit at SOC 0.18"
     assert found["end_reason"] == "stop: elapsed 28800 s"
 
 
@@ -55,7 +55,7 @@ def test_phases_that_are_over_are_told_too():
     mode = Mode(title="Short", phases=phases, stop={"elapsed_s": 1000, "soc": 0.9})
     found = values(charge(CELL, mode, settings(0.1)))
     assert (
-        found["missed"] == "SOC 0.9 not reached: the last phase ended by its 60 s time limit after 60 s at SOC 0.1167"
+        found["missed"] == "SOC 0.9 not reached, the last phase ended by its 60 s time limit after 60 s at SOC 0.1167"
     )
 
 
@@ -79,7 +79,7 @@ CC = {"constant_current": {"current_a": 8.0}, "until": {"voltage_v": 3.65}}
 CV = {"constant_voltage": {"voltage_v": 3.65, "max_current_a": 8.0}}
 TAIL = {"current_a": 0.4}
 AFTER = "the battery was full after 3240 s at SOC 1"
-FULL = f"current 0.4 A not reached: {AFTER}, 8 A flowing"
+FULL = f"current 0.4 A not reached, {AFTER}, 8 A flowing"
 
 
 def lithium(soc, stop, **phases):
@@ -97,7 +97,7 @@ def lithium(soc, stop, **phases):
         (
             {},
             {"cc": CV},
-            f"4 h time limit not reached: {AFTER}; cc never held its 3.65 V",
+            f"4 h time limit not reached, {AFTER}; cc never held its 3.65 V",
         ),
         ({"soc": 0.5}, {"cc": CC, "cv": CV | {"until": TAIL}, "float": {"rest": {}}}, "cv and float never ran"),
         ({"soc": 0.5}, {"cc": CC}, ""),

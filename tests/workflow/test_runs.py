@@ -69,7 +69,7 @@ def test_the_found_frequency_is_the_one_charged_with(project: Project) -> None:
     pulses = "'charge.windows=[{start_s:60,length_s:0.05}]' modes.cv_reflex.phases.bulk.until.elapsed_s=50"
     printed = project.snakemake("charges", overrides=f"modes.run=[cc_cv,cv_reflex] {pulses}")
     assert re.search(
-        r"charge/same_peak/cc_cv: SOC 0.99 not reached: stopped by the 100 s time limit at SOC 0\.2\d+", printed
+        r"charge/same_peak/cc_cv: SOC 0.99 not reached, stopped by the 100 s time limit at SOC 0\.2\d+", printed
     )
     view = _manifest(project)["artefacts"]
     assert isinstance(view, list)

@@ -172,7 +172,7 @@ def missed_goal(outcome: Outcome) -> str:
     dim = f", the supply at its limit for {_hours(lit_s)}" if lit_s > 0.0 and name == "elapsed_s" else ""
     after = "" if of_stop and name == "elapsed_s" else f" after {_hours(outcome.end_s)}"
     why = "the battery was full" if full else f"{_ended_by(of_stop, name)} {_limit(name, limits[name])}"
-    return f"{either(wanted)} not reached: {why}{after} at SOC {end_soc:.4g}{flowing}{dim}"
+    return f"{either(wanted)} not reached, {why}{after} at SOC {end_soc:.4g}{flowing}{dim}"
 
 
 def _ended_by(of_stop: bool, name: str) -> str:

@@ -13,6 +13,7 @@ from pipeline.config import naming
 from pipeline.config.choices import parse, told
 from pipeline.config.compose import Composed, expand
 from pipeline.config.effort import check_effort
+from pipeline.config.inheritance import CONF, content, file_of, is_group
 from pipeline.config.many import Compositions, Memory
 from pipeline.config.sections import Recalled, Studies
 from pipeline.config.study import study_from
@@ -267,6 +268,7 @@ def _sweep(study: str, gathered: _Gathered, asked: Asked, command: str, planner:
             "short": short[key],
             "unit": _unit(root, key, [run.values[n] for run in runs]),
             "description": f"swept: {key}",
+            "titles": _titles(key, [run.values[n] for run in runs]),
         }
         for n, key in enumerate(keys)
     ]
@@ -291,12 +293,21 @@ def _sweep(study: str, gathered: _Gathered, asked: Asked, command: str, planner:
     )
 
 
+def _titles(key: str, values: Sequence[Any]) -> dict[str, str]:
+    """Return the titles of the options of a group that a sweep goes over; none for any other key."""
+    group = key.partition("@")[0]
+    if not is_group(CONF, group):
+        return {}
+    cards = {value: content(file_of(CONF, f"{group}/{value}.yaml")) for value in map(str, values)}
+    return {value: str(card["title"]) for value, card in cards.items() if "title" in card}
+
+
 def _closing(
     study: str,
     name: str,
     command: str,
     root: Any,
-    columns: Sequence[Mapping[str, str]],
+    columns: Sequence[Mapping[str, Any]],
     runs: Sequence[sweeps.SweepRun],
 ) -> tuple[Draft, ...]:
     """Return what the experiments make of all runs."""

@@ -169,7 +169,7 @@ class Swept:
     study : the root record of the first run.
     name, command : of the sweep, and what a person typed.
     folder : of its readable view, from the project.
-    keys : of every swept key its path, short name, unit and description.
+    keys : of every swept key its path, short name, unit, description, and titles of the options of a group.
     runs : of every run its name, the values of the swept keys, and name -> artefact of its swept nodes.
     """
 
@@ -177,7 +177,7 @@ class Swept:
     name: str
     command: str
     folder: str
-    keys: tuple[Mapping[str, str], ...]
+    keys: tuple[Mapping[str, Any], ...]
     runs: tuple[Mapping[str, Any], ...]
 
 

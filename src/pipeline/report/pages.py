@@ -276,7 +276,7 @@ def _not_drawn(content: PageContent) -> list[tuple[str, str, str]]:
     and why.
     """
     paper = content.paper
-    shown = {one.paper for one in (*content.every_figure(), *content.every_table())}
+    shown = {one.paper for one in content.every_figure()} | {one.paper for one in content.every_table()}
     return [
         (number, paper.captions.get(number, ""), paper.not_drawn.get(number, LEFT_OUT))
         for number in dict.fromkeys([*paper.captions, *paper.not_drawn])

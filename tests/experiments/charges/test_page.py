@@ -70,7 +70,7 @@ def test_a_charge_that_missed_its_goal_is_told_in_a_sentence(tmp_path: Path) -> 
     summary = {
         "quantity": ["missed"],
         "value": [None],
-        "text": ["SOC 0.95 not reached: stopped by the 8 h time limit at SOC 0.18"],
+        "text": ["SOC 0.95 not reached, stopped by the 8 h time limit at SOC 0.18"],
         "unit": [""],
         "description": [""],
     }
@@ -80,7 +80,7 @@ def test_a_charge_that_missed_its_goal_is_told_in_a_sentence(tmp_path: Path) -> 
     labels = {"cc": ModeLabel("CC-CV"), "reflex": ModeLabel("CV-Reflex")}
     data = ReportData(making.inputs(inputs), labels, {"peak": "Same peak current"})
     assert page.notes(data) == [
-        "CC-CV (Same peak current): SOC 0.95 not reached: stopped by the 8 h time limit at SOC 0.18."
+        "CC-CV (Same peak current): SOC 0.95 not reached, stopped by the 8 h time limit at SOC 0.18."
     ]
 
 

@@ -10,11 +10,13 @@ from typing import Any
 
 import pyarrow.parquet as pq
 import pytest
+from matplotlib.text import Text
 
 from pipeline.experiments.charges.tables import CHARGE
 from pipeline.experiments.sweeps import reading, sweep, sweep_page, telling
 from pipeline.kernel import store, tables
 from pipeline.kernel.artefacts import Inputs, Output
+from pipeline.report import style
 
 README = Path(__file__).parents[3] / "README.md"
 NODE = "charge/same_peak/{mode}"
@@ -52,10 +54,20 @@ def _runs(folder: Path) -> tuple[list[dict[str, Any]], Inputs]:
 
 
 KEYS = [
-    {"key": "battery", "unit": "", "description": "swept: battery", "short": "battery"},
-    {"key": "modes.cv_reflex.frequency_hz", "unit": "Hz", "description": "swept", "short": "cv_reflex.frequency_hz"},
-    {"key": "flag", "unit": "", "description": "swept: flag", "short": "flag"},
+    {
+        "key": "battery",
+        "unit": "",
+        "description": "swept: battery",
+        "short": "battery",
+        "titles": {"lead": "Lead-acid"},
+    },
+    {
+        **{"key": "modes.cv_reflex.frequency_hz", "unit": "Hz", "description": "swept"},
+        **{"short": "cv_reflex.frequency_hz", "titles": {}},
+    },
+    {"key": "flag", "unit": "", "description": "swept: flag", "short": "flag", "titles": {}},
 ]
+NAMES = {"cc_cv": "CC-CV", "cv_reflex": "CV-Reflex", "same_peak": "Same peak current"}
 
 
 STATED = {
@@ -157,14 +169,20 @@ def test_headlines_are_the_highest_soc_that_half_of_the_runs_reach(table: Path) 
 
 
 @pytest.mark.parametrize("count", [1, 2, 3])
-def test_the_page_shows_every_run_and_a_picture(table: Path, count: int, tmp_path: Path) -> None:
+def test_the_page_shows_every_run_and_a_picture(
+    table: Path, count: int, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    kept = style.save
     folder = tmp_path / "page"
     folder.mkdir()
     settings = {
         "keys": KEYS[-count:],
         **{"study": "s", "sweep": "pulses", "title": "T & U", "command": "python -m pipeline -m x=<1>,2"},
         "files": ["results/s/sweeps/pulses/runs.parquet"],
+        "names": NAMES,
     }
+    drawn = []
+    monkeypatch.setattr(style, "save", lambda figure, *place: (drawn.append(figure), kept(figure, *place)))
     sweep_page.run(settings, Inputs({"sweep": table}, {}), Output(folder, {}))
     page = (folder / "index.html").read_text(encoding="utf-8")
     assert "T &amp; U: 3 runs" in page
@@ -177,6 +195,11 @@ def test_the_page_shows_every_run_and_a_picture(table: Path, count: int, tmp_pat
     assert card["title"] == "T & U, sweep pulses"
     assert card["question"].startswith("3 runs over ")
     assert (folder / card["picture"]["file"]).is_file()
+    told = [one.get_text() for one in drawn[0].findobj(Text)] + re.findall(r"<th[^>]*>(.*?)</th>", page)
+    assert not [one for one in told if re.search(r"[a-z]_[a-z]|degC|\.[a-z]", one)]
+    assert any("Peak temperature [°C]" in " ".join(one.split()) for one in told)
+    assert count < 2 or any("CV-Reflex frequency [Hz]" in " ".join(one.split()) for one in told)
+    assert count < 3 or any("Lead-acid" in one for one in told)
 
 
 def test_the_terminal_shows_the_runs_and_what_was_missed(table: Path, tmp_path: Path) -> None:

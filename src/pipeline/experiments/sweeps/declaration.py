@@ -42,8 +42,14 @@ def gathers(sweep: Swept) -> Iterator[Draft]:
     # Each row is read from an artefact of its own.
     rows = Effort(_ROW_B * len(inputs), _ROW_S * len(inputs), ())
     yield Draft(SWEEP.name, SWEEP.name, label, settings, inputs, (), files, "results", (), rows)
-    of_page = told | {"command": sweep.command, "files": [f"{sweep.folder}/{file}" for file in files]}
+    of_page = told | {"names": _names(sweep.study), "command": sweep.command, "files": [f"{sweep.folder}/{file}" for file in files]}
     yield Draft(PAGE.name, PAGE.name, label, of_page, {SWEEP.name: SWEEP.name}, (), {"*": ""}, "reports", (), rows)
+
+
+def _names(study: Any) -> dict[str, str]:
+    """Return what modes and comparisons are called, those of the second battery too."""
+    titled = {**study.modes, **study.comparisons}
+    return {name: one.title for name, one in titled.items()} | {"second": "second battery"}
 
 
 def _statements(sweep: Swept) -> Iterator[dict[str, Any]]:

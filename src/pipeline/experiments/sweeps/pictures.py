@@ -50,7 +50,7 @@ def _lines(keys: Mapping[str, str], outcomes: Sequence[Outcome], columns: Column
             line = "" if labels else mark.line
             shown = {"color": mark.colour, "linestyle": line, "marker": mark.marker if labels else marker}
             axes.plot(places[order], values, label=one.charge, **shown)
-        axes.set(xlabel=keys[key], ylabel=_named(title, unit))
+        axes.set(xlabel=keys[key], ylabel=_axis(title, unit))
         _ticks(axes, labels)
     lines, names = fields[0].get_legend_handles_labels()
     drawing.legend(lines, names, loc="outside upper center", ncols=min(4, len(names)))
@@ -76,7 +76,7 @@ def _maps(keys: Mapping[str, str], outcomes: Sequence[Outcome], columns: Columns
             axes.imshow(grid, origin="lower", aspect="auto", vmin=low, vmax=high, interpolation="nearest")
             axes.set(facecolor="white")
             axes.grid(visible=False)
-        drawing.colorbar(row[0].images[0], ax=list(row), label=_named(title, unit))
+        drawing.colorbar(row[0].images[0], ax=list(row), label=_axis(title, unit))
     for axes, charge in zip(fields[0], charges, strict=True):
         axes.set_title(charge)
     for axes in fields[-1]:
@@ -98,7 +98,7 @@ def _parallel(keys: Mapping[str, str], outcomes: Sequence[Outcome], columns: Col
     for axes, charge in zip(drawing.subplots(len(charges), 1, squeeze=False)[:, 0], charges, strict=True):
         own = [one for one in outcomes if one.charge == charge]
         scales = [_scale(keys[key], *_places(columns[key])) for key in keys]
-        scales += [_scale(_named(one.title, one.unit), _numbers(one, columns), []) for one in own]
+        scales += [_scale(_axis(one.title, one.unit), _numbers(one, columns), []) for one in own]
         heights = np.array([scale[1] for scale in scales])
         whole = np.isfinite(heights).all(axis=0)
         lines = np.stack([np.broadcast_to(np.arange(len(scales))[:, None], heights.shape), heights], axis=-1)
@@ -147,7 +147,7 @@ def _ranks(values: Sequence[Any]) -> tuple[NDArray[np.int64], list[str]]:
 
 def _text(value: Any) -> str:
     text = f"{value:g}" if isinstance(value, float) else str(value)
-    return text if len(text) <= 18 else f"{text[:8]}…{text[-8:]}"
+    return text if len(text) <= 24 else f"{text[:11]}…{text[-11:]}"
 
 
 def _ticks(axes: Axes, labels: Sequence[str]) -> None:
@@ -168,5 +168,5 @@ def _some(axis: Any, labels: Sequence[str]) -> None:
     axis.set_ticks(range(0, len(labels), step), labels[::step])
 
 
-def _named(name: str, unit: str) -> str:
-    return f"{name} [{unit}]" if unit not in ("", "1") else name
+def _axis(name: str, unit: str) -> str:
+    return style.label(name[:1].upper() + name[1:], unit)

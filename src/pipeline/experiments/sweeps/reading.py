@@ -12,7 +12,7 @@ from pipeline.kernel.tables import Kind
 TABLE, CSV = "runs.parquet", "runs.csv"
 MARKS = "time_to_soc_"
 HEADLINES = {
-    "peak_temperature_c": ("peak temperature", "degC", 1.0),
+    "peak_temperature_c": ("peak temperature", "°C", 1.0),
     "energy_efficiency": ("energy efficiency", "%", 100.0),
 }
 """Quantities of a charge that are looked at first, in words, with unit and factor; before them the time."""
