@@ -71,7 +71,8 @@ expected: setup ## renew reproducibility/expected.json; its diff reads as number
 accuracy: setup-dev ## the charge engine against a tight solve_ivp, three windows of 60 s
 	$(BIN)/python -m benchmarks.accuracy
 
-docs: setup-docs ## build the documentation: site/index.html, read from the file system
+docs: setup setup-docs ## build the documentation: site/index.html, read from the file system
+	$(BIN)/python docs/generate.py
 	.venv-docs/bin/mkdocs build --quiet --strict
 
 setup: $(VENV)/.runtime ## virtual environment with the runtime packages
