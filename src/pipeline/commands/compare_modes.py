@@ -26,7 +26,7 @@ from pipeline.errors import UserError, best_matches
 from pipeline.kernel import registry, store
 from pipeline.kernel.draft import references
 from pipeline.notebook import charges, named
-from pipeline.published.answer import rounded
+from pipeline.published.wording import plain
 from pipeline.report import pages, style, text, traces
 from pipeline.report.tables import Cell, ReportTable, to_csv
 
@@ -215,17 +215,17 @@ class Compared:
         found = {title: self._value(measure.name, one) for title, one in zip(self.titles, self.charges, strict=True)}
         values = {title: value for title, value in found.items() if value is not None}
         order = sorted(values, key=lambda title: values[title], reverse=measure.more)
-        listed = ", ".join(f"{title} {rounded(measure.factor * values[title], measure.unit)}" for title in order)
+        lead = measure.factor * abs(values[order[1]] - values[order[0]]) if len(order) > 1 else 0.0
+        listed = ", ".join(f"{title} {plain(measure.factor * values[title], measure.unit, lead)}" for title in order)
         listed += "".join(f", {title} none" for title in found if title not in values)
         if len(order) < 2:
             return f"{measure.of[:1].upper()}{measure.of[1:]}: {listed.removeprefix(', ')}."
         best, second = order[:2]
         if not measure.is_clear(values[best], values[second]):
             return f"No clear difference in {measure.of} between {best} and {second}: {listed}."
-        lead = measure.factor * abs(values[second] - values[best])
         unit = {"degC": "K", "%": "points"}.get(measure.unit, measure.unit)
         share = f" ({100 * abs(values[second] / values[best] - 1.0):.0f} %)" if measure.unit == "h" else ""
-        return f"{best} {measure.best}, by {rounded(lead, unit, digits=2)}{share}: {listed}."
+        return f"{best} {measure.best}, by {plain(lead, unit)}{share}: {listed}."
 
     def table(self) -> ReportTable:
         """Return what came of the charges, a row a quantity, a column a mode."""
@@ -260,7 +260,7 @@ class Compared:
             f"{self.battery.title}, {self.battery.capacity_in_use_ah:g} Ah, from SOC {start.initial_soc:g} at "
             f"{start.ambient_c:g} degC, fed from {self.supply}."
         ]
-        peaks = {rounded(peak, "A") for peak in map(_peak_a, self.charges) if peak is not None}
+        peaks = {plain(peak, "A") for peak in map(_peak_a, self.charges) if peak is not None}
         if len(peaks) > 1:
             told.append(f"The largest currents that the modes ask for differ: {', '.join(sorted(peaks))}.")
         for name, title, one in zip(self.modes, self.titles, self.charges, strict=True):

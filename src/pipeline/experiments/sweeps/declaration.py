@@ -42,7 +42,8 @@ def gathers(sweep: Swept) -> Iterator[Draft]:
     # Each row is read from an artefact of its own.
     rows = Effort(_ROW_B * len(inputs), _ROW_S * len(inputs), ())
     yield Draft(SWEEP.name, SWEEP.name, label, settings, inputs, (), files, "results", (), rows)
-    of_page = told | {"names": _names(sweep.study), "command": sweep.command, "files": [f"{sweep.folder}/{file}" for file in files]}
+    listed = [f"{sweep.folder}/{file}" for file in files]
+    of_page = told | {"names": _names(sweep.study), "command": sweep.command, "files": listed}
     yield Draft(PAGE.name, PAGE.name, label, of_page, {SWEEP.name: SWEEP.name}, (), {"*": ""}, "reports", (), rows)
 
 
