@@ -1,10 +1,12 @@
-# `make all` and `make test` set up everything they need; Python 3.11 is all that must be there.
+# `make all` and `make test` set up everything they need; Python 3.11, or 3.12 or 3.13, is all that must be there.
 PYTHON ?= python3.11
-VENV := .venv
+VERSION := $(shell $(PYTHON) -c 'import sys; print("%d.%d" % sys.version_info[:2])' 2>/dev/null)
+# Python 3.11 has .venv; another version an environment of its own, .venv-3.12.
+VENV := .venv$(if $(VERSION),$(filter-out -3.11,-$(VERSION)))
 BIN := $(VENV)/bin
 CORES ?= 2
 
-.PHONY: all test test-slow test-struck test-browser browser-setup lint bench bench-slow faults faults-short fuzz \
+.PHONY: check-python all test test-slow test-struck test-browser browser-setup lint bench bench-slow faults faults-short fuzz \
 	fuzz-short validate accuracy reproduce reproduce-generic expected own-battery-proof setup setup-dev setup-docs \
 	setup-slurm docs lock clean help
 
@@ -33,6 +35,9 @@ fuzz: setup-dev ## wrong input at every front door: 1500 configurations, 340 fil
 
 fuzz-short: setup-dev ## the same, a sample of about two minutes
 	$(BIN)/python -m tests.fuzz --short
+
+check-python: setup ## import the package and charge a battery: for PYTHON=python3.12 and python3.13
+	$(BIN)/python -W error -m tests.one_charge
 
 lint: setup-dev ## style, types, workflow
 	$(BIN)/ruff check .
@@ -107,6 +112,9 @@ setup-slurm: .venv-slurm/.made ## .venv-slurm: the runtime packages and what sub
 lock: ## renew the lock files (needs uv)
 	uv pip compile --quiet --no-header --no-annotate --generate-hashes --python-version 3.11 \
 		pyproject.toml --extra build -o requirements.lock
+	# One file for every version: the others have to come to the same packages.
+	for version in 3.12 3.13; do uv pip compile --quiet --no-header --no-annotate --generate-hashes \
+		--python-version $$version -c requirements.lock pyproject.toml --extra build | cmp - requirements.lock || exit 1; done
 	uv pip compile --quiet --no-header --no-annotate --generate-hashes --python-version 3.11 \
 		pyproject.toml --extra build --extra dev -c requirements.lock -o requirements-dev.lock
 	printf 'snakemake-executor-plugin-slurm\nsnakemake-executor-plugin-slurm-jobstep\n' | uv pip compile --quiet \
