@@ -4,11 +4,13 @@ from __future__ import annotations
 
 import io
 import logging
+import re
 from collections.abc import Mapping
 from types import SimpleNamespace
 
 import pytest
 
+from pipeline.commands import report, terminal
 from pipeline.commands.terminal import QUIET, quieten
 
 NOTHING = {"verbose": False, "printshellcmds": False, "quiet": set(), "dryrun": False, "debug_dag": False}
@@ -53,3 +55,43 @@ def test_its_own_words_where_they_are_asked_for(asked: dict[str, object]) -> Non
 
 def test_quiet_leaves_warnings_and_errors_alone() -> None:
     assert said(3, asked={"quiet": set(QUIET)}) == ["a warning", "Error in rule"]
+
+
+VERDICTS = {
+    "statement": ["a_statement_with_a_long_name", "other"],
+    "verdict": ["holds", "not reproduced"],
+    "where": ["section 4, Figures 13 and 15", "Table 1"],
+    "explanation": ["Time to SOC 0.95: 10165 s,\nprinted: " + "10160 s; " * 30, "Printed: 1; ours: 2."],
+    "basis": ["model", "model"],
+}
+ANSWER = {"sentence": ["Best: CC-CV, " + "by far " * 40, "Charging time: CC-CV 1 s [bold]"]}
+
+
+def _reported(capsys: pytest.CaptureFixture[str]) -> list[str]:
+    report._tell(ANSWER)
+    report._print(VERDICTS)
+    return capsys.readouterr().out.splitlines()
+
+
+def test_a_report_in_a_pipe_is_a_line_a_statement_without_boxes_and_colours(capsys: pytest.CaptureFixture[str]) -> None:
+    lines = _reported(capsys)
+    assert lines[0] == ANSWER["sentence"][0]
+    assert lines[1] == f"  {ANSWER['sentence'][1]}"
+    head, first, second = lines[3:6]
+    assert re.split(r"\s{2,}", head) == ["statement", "verdict", "where", "why"]
+    assert re.split(r"\s{2,}", second) == ["other", "not reproduced", "Table 1", "Printed: 1; ours: 2."]
+    assert first.endswith(" ".join(VERDICTS["explanation"][0].split()))
+    assert not re.search(r"[\x1b\u2500-\u257f]", "".join(lines))
+
+
+@pytest.mark.parametrize("width", [50, 80, 100, 160])
+def test_a_report_fits_the_terminal(
+    width: int, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(terminal, "is_watched", lambda: True)
+    monkeypatch.setenv("COLUMNS", str(width))
+    lines = [re.sub(r"\x1b\[[0-9;]*m", "", line) for line in _reported(capsys)]
+    assert max(len(line) for line in lines if not line.startswith("a wider terminal")) <= width
+    assert any(line.startswith("a_statement_with_a_long_name") and "holds" in line for line in lines)
+    shown = " ".join(" ".join(lines).split())
+    assert " ".join(ANSWER["sentence"][0].split()) in shown

@@ -13,10 +13,7 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-from rich.console import Console
-from rich.markup import escape
-from rich.table import Table
-
+from pipeline.commands.terminal import say, table_lines
 from pipeline.config.naming import run_name
 from pipeline.errors import UserError, best_matches
 from pipeline.kernel import publish, tables
@@ -131,24 +128,23 @@ def _unpublished(run: str) -> str:
 
 
 def _tell(answer: Mapping[str, Any]) -> None:
-    """Print what the study recommends."""
-    console = Console()
+    """Print what the study recommends; in a pipe a line a sentence."""
     for place, sentence in enumerate(answer["sentence"]):
-        console.print(f"[bold]{escape(sentence)}[/bold]" if place == 0 else f"  {escape(sentence)}", highlight=False)
-    console.print()
+        say(f"{'  ' * (place > 0)}{sentence}", bold=place == 0)
+    print()
 
 
 def _print(verdicts: Mapping[str, Any]) -> None:
-    table = Table("statement", "verdict", "where", "why", show_lines=False)
+    """Print the verdicts as wide as the terminal; in a pipe a line a statement."""
     columns = [list(verdicts[name]) for name in ("statement", "verdict", "where", "explanation")]
-    for row in zip(*columns, strict=True):
-        table.add_row(*row)
-    console = Console()
-    console.print(table)
+    rows = [[" ".join(str(cell).split()) for cell in row] for row in zip(*columns, strict=True)]
+    for line in table_lines([("statement", "verdict", "where", "why"), *rows]):
+        print(line)
     found = counted(verdicts)
-    console.print(_told(found["statements"]))
+    print()
+    say(_told(found["statements"]))
     if found["arithmetic"]:
-        console.print(f"arithmetic of the paper alone, counted apart: {_told(found['arithmetic'])}")
+        say(f"arithmetic of the paper alone, counted apart: {_told(found['arithmetic'])}")
 
 
 def _told(counts: Sequence[tuple[str, int]]) -> str:

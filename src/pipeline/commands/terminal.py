@@ -99,6 +99,17 @@ def is_watched() -> bool:
     return sys.stdout.isatty()
 
 
+def say(text: str, bold: bool = False) -> None:
+    """Print a sentence: folded at the width of the terminal, in one line where nobody watches."""
+    if not is_watched():
+        print(text)
+        return
+    from rich.console import Console
+    from rich.text import Text
+
+    Console(width=shutil.get_terminal_size().columns).print(Text(text, style="bold" if bold else ""))
+
+
 def table_lines(rows: Sequence[Sequence[str]]) -> Iterator[str]:
     """Yield the lines of a table: as wide as the terminal, or where nobody watches, a line a row.
 
