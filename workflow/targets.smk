@@ -30,6 +30,7 @@ for path, chunk in flow.files().items():
             runtime=flow.takes(chunk, "runtime"),
         params:
             command=flow.command("publish", chunk),
+            told=flow.told(path),
         message:
             f"Placing: {path}"
         shell:

@@ -2,7 +2,13 @@
 
 from __future__ import annotations
 
+import html
+import json
+import re
+import zipfile
+
 import pytest
+import yaml
 
 from tests.workflow.conftest import Project, copy_project, rules
 
@@ -30,6 +36,26 @@ def test_a_figure_by_its_path(fresh: Project) -> None:
     assert _there(fresh, "reports") == {"figures/panel_curves.svg"}
     assert _there(fresh, "results") == {"manifest.files.json"}
     assert "Nothing to be done" in fresh.snakemake(CURVES)
+
+
+def test_a_report_of_snakemake_s_carries_captions_categories_and_the_workflow(fresh: Project) -> None:
+    fresh.snakemake(CURVES)
+    fresh.snakemake("--report", "workflow.zip", CURVES)
+    with zipfile.ZipFile(fresh.folder / "workflow.zip") as archive:
+        names = archive.namelist()
+        page = archive.read("workflow/report.html").decode("utf-8")
+    assert any(name.endswith("/panel_curves.svg") for name in names)
+    found = json.loads(re.search(r'id="results">\s*var results = (.*?);\s*</script>', page, re.S)[1])
+    figure, receipts = found[CURVES], [one for name, one in found.items() if name.endswith(".json")]
+    card = yaml.safe_load((fresh.folder / "conf/report/solar_reflex.yaml").read_text(encoding="utf-8"))["panel_curves"]
+    told = " ".join(html.unescape(re.sub(r"<[^>]+>", "", figure["caption"])).split())
+    assert told.startswith(f"{card['title']}. {' '.join(card['caption'].split())} {CURVES}, as the run of its study")
+    assert receipts
+    assert all("its artefacts by their keys" in " ".join(one["caption"].split()) for one in receipts)
+    categories = re.search(r'id="categories">\s*var categories = (.*?);\s*</script>', page, re.S)[1]
+    assert set(json.loads(categories)) == {"solar_reflex", "Steps"}
+    assert "a configuration becomes a plan" in page
+    assert all(f'"rule": "{rule}"' in page or f'"{rule}"' in page for rule in ("fit_panel", "draw_figures"))
 
 
 def test_a_table_by_its_path_is_remade_where_it_is_no_longer_the_run_s(fresh: Project) -> None:

@@ -149,6 +149,16 @@ class Workflow:
         """Return a file that is asked for by its path; one that would be placed anew, with what is missing of it."""
         return [path, *([self._receipt(chunk)] if chunk in self._stale else [])]
 
+    def told(self, path: str) -> str:
+        """Return what a figure that is asked for by its path shows, for the caption in a report of Snakemake's own;
+        nothing for any other file.
+        """
+        _, study, name, *inside = path.split("/")
+        runs = [run for run in self.plan["runs"] if (run["study"], run["name"]) == (study, name)]
+        cards = [run["configuration"].get("figures", {}) for run in runs if inside[:1] == ["figures"]]
+        card = next((found[Path(path).stem] for found in cards if Path(path).stem in found), None)
+        return "" if card is None else f"{card.get('paper') or ''} {card['title']}. {card['caption']}".strip()
+
     def receipt(self, step: str) -> str:
         """Return the receipt of a step's chunks, with the wildcard `chunk`."""
         return str(receipts.path_of(self.results, step, "{chunk}"))
