@@ -148,6 +148,14 @@ def test_a_cell_of_the_matrix_leads_to_its_row_and_that_to_its_figure(visit: Ope
     assert tab.locator(":target").get_attribute("id").startswith("figure_")
 
 
+def test_what_is_said_stands_in_sight_above_the_row_that_an_address_leads_to(visit: Open) -> None:
+    tab = visit(MADE_UP[1], place="#statement-claim_1")
+    tab.wait_for_selector("#statement-claim_1", state="visible")
+    said = tab.locator(".claim:has(#statement-claim_1) .says").bounding_box()
+    bar = tab.locator(".filter").bounding_box()
+    assert said["y"] >= bar["y"] + bar["height"]
+
+
 def test_an_address_of_a_row_unfolds_it_even_where_a_filter_hides_it(visit: Open) -> None:
     tab = visit(MADE_UP[1], place="#statement-claim_1")
     assert tab.is_visible("#statement-claim_1")
@@ -358,9 +366,20 @@ def test_print_unfolds_the_verdicts_and_leaves_out_what_cannot_be_used(visit: Op
 
 # Half of what was printed before: 72, 25 and 38 pages.
 MOST_PAGES = {"solar_reflex": 36, "nicd_grnn": 12, "lfp_cuckoo": 19}
-
-
 STUDIES = [path for path in PUBLISHED if path.name == "default" and path.parent.name in MOST_PAGES]
+NO_WORDS = re.compile(r"\b[a-z0-9]+_[a-z0-9_]+|degC|\de[-+]?\d|\d\.\d{6,}|--|None|nan\b")
+"""What a sentence for people has none of: keys, units as they are declared, powers of ten, digits without end."""
+
+
+@pytest.mark.parametrize("folder", STUDIES, ids=lambda path: path.parent.name)
+def test_sentences_of_a_study_have_words_and_no_keys(visit: Open, folder: Path) -> None:
+    tab = visit(folder / "index.html")
+    told = tab.evaluate(
+        "[...document.querySelectorAll('#answer p, #answer li, .notes li, .found, .conditions, .says, .matrix th,"
+        " figcaption p, h2, h3, .absent p')].map((one) => one.textContent.trim())"
+    )
+    assert len(told) > 100
+    assert not [text for text in told if NO_WORDS.search(text)]
 
 
 @pytest.mark.parametrize("folder", STUDIES, ids=lambda path: path.parent.name)

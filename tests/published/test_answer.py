@@ -52,6 +52,22 @@ def test_differences_of_temperatures_are_kelvins(nominal: Lookup) -> None:
     assert "Ahead: other, by 1 K." in told({"rise": choice(unit="degC")}, nominal)[1]["sentence"]
 
 
+@pytest.mark.parametrize(
+    ("other", "by", "told"),
+    [
+        (4.99128, 0.1, "one 5 K, other 4.99 K. Ahead: other, by less than 0.01 K, so no clear difference."),
+        (4.9128, 0.1, "one 5 K, other 4.91 K. Ahead: other, by 0.09 K, so no clear difference."),
+        (4.0, 40.0, "one 5 K, other 4 K. Ahead: other, by less than 4 K, so no clear difference."),
+        (-444.83427, 60.0, "one 5 K, other −445 K. Ahead: other, by 450 K."),
+        (-83.97, 15.0, "one 5 K, other −84.0 K. Ahead: other, by 89 K."),
+    ],
+)
+def test_a_lead_is_told_no_finer_than_a_tenth_of_what_matters(lookup: Any, other: float, by: float, told: str) -> None:
+    nominal = lookup({ONE: {"rise_k": 5.0}, OTHER: {"rise_k": other}})
+    found = answered({"rise": choice(by=by)}, nominal, [])["sentence"][1]
+    assert found == f"Rise: {told}"
+
+
 def test_what_is_larger_may_be_the_better_one(nominal: Lookup) -> None:
     total, one = told({"rise": choice(better="greater")}, nominal)
     assert (total["best"], one["best"], one["lead"], one["share"]) == ("one", "one", 1.0, None)

@@ -159,8 +159,10 @@ def test_the_papers_caption_stands_beside_ours_and_what_is_not_drawn_is_said(con
     html = render(replace(content, paper=replace(content.paper, captions=captions, not_drawn=absent)))
     text = " ".join("".join(Page(html).text).split())
     assert 'The paper: Battery current <comparison>. Current "in" A' in text
-    assert "Figure 12 not drawn The paper: An enlarged view. Not drawn, because this run leaves out" in text
-    assert "Figure 2 not drawn Not drawn, because its picture is lost <here>." in text
+    assert "Figure 12 not drawn The paper: An enlarged view. This run leaves out what it shows." in text
+    assert "Figure 2 not drawn Its picture is lost <here>." in text
+    places = [html.index(f'id="{name}"') for name in ("absent-figure-2", "figure_11", "absent-figure-12")]
+    assert places == sorted(places)
     assert "never told" not in text
     assert 'href="#absent-figure-2"' in html
 

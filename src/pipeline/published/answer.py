@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping, Sequence
 from typing import Any, Literal, NamedTuple
 
@@ -10,7 +11,7 @@ from pydantic import Field
 from pipeline.kernel.tables import Column, Table
 from pipeline.published.artefacts import Impossible, Lookup, Sample, Unanswerable, number
 from pipeline.published.operands import Operand, atoms, text
-from pipeline.published.wording import of_differences, opened, plain
+from pipeline.published.wording import exact, of_differences, opened, plain
 from pipeline.published.words import ENOUGH, PARAMETERS, Robust
 from pipeline.record import Record
 
@@ -112,8 +113,9 @@ def _leads(choice: Choice, best: str, samples: Sequence[Sample]) -> Robust | Non
 
 def _sentence(choice: Choice, found: _Found) -> str:
     values = found.values.items()
-    listed = ", ".join(f"{name} {plain(value, choice.unit, found.lead)}" for name, value in values)
-    leads = f"Ahead: {found.best}, by {plain(found.lead, of_differences(choice.unit))}"
+    apart = max(found.lead, choice.by)
+    listed = ", ".join(f"{name} {plain(value, choice.unit, apart)}" for name, value in values)
+    leads = f"Ahead: {found.best}, {_by(choice, found.lead)}"
     points = ""
     if found.robust is not None:
         low, high = found.robust.interval()
@@ -126,6 +128,15 @@ def _sentence(choice: Choice, found: _Found) -> str:
     return f"{opened(choice.of)}: {listed}. {leads}{points}{clear}."
 
 
+def _by(choice: Choice, lead: float) -> str:
+    """Return by how much one is ahead, no finer than a tenth of what matters."""
+    unit, finest = of_differences(choice.unit), choice.by / 10.0
+    if lead < finest:
+        return f"by less than {exact(finest, unit)}"
+    step = 10.0 ** math.floor(math.log10(finest))
+    return f"by {exact(round(lead / step) * step, unit) if lead < 1000.0 * step else plain(lead, unit)}"
+
+
 def _sum(choices: Mapping[str, Choice], found: Mapping[str, _Found]) -> tuple[str, str]:
     """Return the alternative that is nowhere surely outdone, and the sentence that sums up."""
     sure = {name: one.best for name, one in found.items() if one.sure}
@@ -135,9 +146,7 @@ def _sum(choices: Mapping[str, Choice], found: Mapping[str, _Found]) -> tuple[st
         return "", "No alternative is clearly better." + rest
     winners = list(dict.fromkeys(sure.values()))
     if len(winners) == 1:
-        told = " and ".join(
-            f"by {plain(found[name].lead, of_differences(choices[name].unit))} in {choices[name].of}" for name in sure
-        )
+        told = " and ".join(f"{_by(choices[name], found[name].lead)} in {choices[name].of}" for name in sure)
         return winners[0], f"Best: {winners[0]}, {told}.{rest}"
     of = {who: " and ".join(choices[name].of for name, one in sure.items() if one == who) for who in winners}
     return "", f"It depends on what counts: {'; '.join(f'{who} for {what}' for who, what in of.items())}.{rest}"

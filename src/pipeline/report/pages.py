@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import re
 from collections import Counter
 from collections.abc import Mapping, Sequence
@@ -13,7 +14,7 @@ from typing import Any, NamedTuple
 from pipeline.published.words import BASES, WORDS, counted
 from pipeline.report import text
 from pipeline.report.claims import AS_STATED, Rests, claims, count_bar, matrix
-from pipeline.report.tables import Parameter, ReportTable
+from pipeline.report.tables import Parameter, ReportTable, sentence
 from pipeline.report.traces import MOST_POINTS
 
 TEMPLATES = Path(__file__).with_name("templates")
@@ -171,7 +172,7 @@ def render(content: PageContent) -> str:
         close_calls=sum(bool(one.close) for claim in found for one in claim.verdicts),
         published=[table for table in content.tables if table.paper],
         tables=[table for table in content.tables if not table.paper],
-        not_drawn=_not_drawn(content),
+        in_order=_in_order(content),
         hero=content.shown_first(),
         on_top=on_top,
         groups=_by_part(content.parameters),
@@ -271,17 +272,35 @@ LEFT_OUT = "this run leaves out what it shows"
 """Why a figure of the paper is not there where nobody says otherwise: a run of other modes, say."""
 
 
-def _not_drawn(content: PageContent) -> list[tuple[str, str, str]]:
-    """Return the figures and tables of the paper that the page has none for: number, its caption where it is known,
-    and why.
-    """
+class Absent(NamedTuple):
+    """A figure or table of the paper that the page has none for; `paper` is its number there."""
+
+    paper: str
+    why: str
+    title: str = "not drawn"
+
+    @property
+    def name(self) -> str:
+        """Return the identifier of its place on the page."""
+        return f"absent-{self.paper.lower().replace(' ', '-')}"
+
+
+def _in_order(content: PageContent) -> list[PageFigure | Absent]:
+    """Return the figures of the page, and before the next number of the paper what it has none for."""
     paper = content.paper
     shown = {one.paper for one in content.every_figure()} | {one.paper for one in content.every_table()}
-    return [
-        (number, paper.captions.get(number, ""), paper.not_drawn.get(number, LEFT_OUT))
-        for number in dict.fromkeys([*paper.captions, *paper.not_drawn])
-        if number not in shown
-    ]
+    found: list[PageFigure | Absent] = [*content.figures]
+    for number in dict.fromkeys([*paper.captions, *paper.not_drawn]):
+        if number not in shown:
+            later = (place for place, one in enumerate(found) if _number(one.paper) > _number(number))
+            found.insert(next(later, len(found)), Absent(number, paper.not_drawn.get(number, LEFT_OUT)))
+    return found
+
+
+def _number(paper: str) -> float:
+    """Return the number of a figure of the paper; that of a table lies behind them all, and that of our own before."""
+    kind, _, number = paper.partition(" ")
+    return 0.0 if not paper else float(number) if kind == "Figure" and number.isdecimal() else math.inf
 
 
 def environment(*more: Path) -> Any:
@@ -302,6 +321,7 @@ def environment(*more: Path) -> Any:
         "words": text.words,
         "prose": text.prose,
         "view": view,
+        "sentence": sentence,
         "slug": lambda word: str(word).replace(" ", "-"),
         "bar": count_bar,
     }

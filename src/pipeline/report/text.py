@@ -28,7 +28,7 @@ _ENDINGS = {
 _WORDS = {
     "soc": "SOC", "ise": "ISE", "mse": "MSE", "anfis": "ANFIS", "grnn": "GRNN", "cv": "CV", "cc": "CC", "dt": "dt",
     "w": "W", "pid": "PID", "ga": "GA", "rbf": "RBF", "c1": "C1", "c2": "C2", "p": "p", "r": "r",
-    "reflex": "Reflex", "lyapunov": "Lyapunov",
+    "reflex": "Reflex", "lyapunov": "Lyapunov", "hz": "Hz",
 }  # fmt: skip
 
 
@@ -124,7 +124,7 @@ def label(cell: Any, with_unit: bool = True) -> str:
     """
     text = number(cell)
     if not isinstance(cell, str) or not _NAME.fullmatch(cell):
-        return text
+        return _WORDS.get(text, text)
     for ending, symbol in _ENDINGS.items():
         if cell.endswith(ending) and cell != ending:
             told = words(cell.removesuffix(ending))

@@ -9,7 +9,7 @@ from pipeline.experiments.network.records import USED, gradient_unit
 from pipeline.report.tables import Cell, ReportData, ReportTable, plain
 
 LABELS = ()
-_ERROR = "MSE / C²"
+_ERROR = "MSE / (C-rate)²"
 # Errors below this are rounding.
 _ROUNDING = 1e-12
 _NUMBERS = {
