@@ -201,7 +201,7 @@ def _refused(
 ) -> UserError:
     if isinstance(cell, Torn):
         return table.refused(row, heading, cell.told(), "")
-    if not converted and not guess and number(cell, table.decimal) is None:
+    if not guess and (not converted or number(cell, table.decimal) is not None):
         word = "" if cell is None or cell == "" else str(cell)
         guess = f"; where it means that nothing was measured, '{key}missing=[\"{word}\"]'"
     return UserError(

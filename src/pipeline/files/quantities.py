@@ -106,7 +106,9 @@ _BRACKETS = re.compile(r"^(.*?)\s*[(\[{]\s*([^()\[\]{}]*?)\s*[)\]}]+\s*$")
 _PVGIS = re.compile(r"G[bdr]?\([hin]\)")
 """Of PVGIS, where brackets hold no unit: light on the horizontal, on the inclined plane, towards the sun."""
 _SLASH = re.compile(r"^(.*\S)\s+/\s+(\S+)$")
-_SUFFIX = re.compile(r"^(.+)_(k?w_m2|k?wh_m2|w|kw|wh|kwh|c|k|f|m_s|km_h|s|min|h|w/m2|m/s)$")
+_SUFFIX = re.compile(r"^(.+)_(k?w_m2|k?wh_m2|w|kw|wh|kwh|c|k|f|m_s|km_h|s|min|h|w/m2|m/s|mV|mA|uA|µA|mv|ma|ua)$")
+_CLOSE = re.compile(r"^((?!.*\b(?:k?m|mi)/)[^/]*[^/\s])/(ms|s|sec|min|h|m?V|[mµu]?A|°C|degC|C|K)$")
+"""Of potentiostats: `time/s`, `Ewe/V`, `I/mA`; no speed."""
 
 
 def unit(text: str, dimension: str) -> Unit | None:
@@ -136,7 +138,7 @@ def is_unit(text: str) -> bool:
 
 
 def split(heading: str) -> tuple[str, str | None]:
-    """Return a heading without its unit, and the unit: `GHI (W/m2)`, `GHI [W/m^2]`, `Voltage / V`, `ghi_w_m2`."""
+    """Return a heading without its unit, and the unit: `GHI (W/m2)`, `Voltage / V`, `I/mA`, `ghi_w_m2`."""
     if _PVGIS.fullmatch(heading.strip()):
         return heading, None
     bracketed = _BRACKETS.match(heading)
@@ -148,7 +150,8 @@ def split(heading: str) -> tuple[str, str | None]:
     suffixed = _SUFFIX.match(heading)
     if suffixed:
         return suffixed[1], suffixed[2].replace("_", "/")
-    return heading, None
+    close = _CLOSE.match(heading.strip())
+    return (close[1], close[2]) if close else (heading, None)
 
 
 def known(dimension: str) -> Iterable[str]:

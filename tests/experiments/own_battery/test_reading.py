@@ -145,6 +145,139 @@ def test_repeated_rows_are_left_out_and_jumps_kept(tmp_path: Path) -> None:
     assert (np.diff(found.time_s) == 0.0).sum() == 1
 
 
+def _orders() -> dict[str, tuple[np.ndarray, str]]:
+    count = len(_series().time_s)
+    swapped = np.arange(count)
+    swapped[[40, 41]] = 41, 40
+    return {
+        "newest first": (np.arange(count)[::-1], "turned round"),
+        "two rows in each other's place": (swapped, "put in the order of time"),
+        "a block again": (np.concatenate([np.arange(100), np.arange(60, count)]), "40 rows stand there a second time"),
+        "everything again": (np.tile(np.arange(count), 2), f"{count} rows stand there a second time"),
+        "every row twice": (np.repeat(np.arange(count), 2), f"{count} rows repeat"),
+    }
+
+
+@pytest.mark.parametrize("name", _orders())
+def test_rows_in_disorder_come_into_order(tmp_path: Path, name: str) -> None:
+    order, told = _orders()[name]
+    lines = _rows().splitlines()
+    file = _text(tmp_path, "\n".join(["time_s,voltage_v,current_a", *(lines[at] for at in order)]) + "\n")
+    found = measured_series(Measured(file=file))[0]
+    for one in ("time_s", "voltage_v", "current_a"):
+        np.testing.assert_allclose(getattr(found, one), getattr(_series(), one), atol=1e-5)
+    assert any(told in line for line in found.said)
+
+
+def test_a_clock_that_was_set_back_is_refused_and_rows_can_be_counted_instead(tmp_path: Path) -> None:
+    series = _series()
+    wrong = series.time_s.copy()
+    wrong[120:] -= 30.0
+    file = _text(tmp_path, "time_s,voltage_v,current_a\n" + _rows(series=series._replace(time_s=wrong)))
+    with pytest.raises(UserError, match=r"line 122: the time goes back.*measured\.sample_interval_s=1 "):
+        measured_series(Measured(file=file))
+    found = measured_series(Measured(file=file, sample_interval_s=1.0))[0]
+    np.testing.assert_allclose(found.time_s, series.time_s)
+    assert any("column 'time_s' is not used" in line for line in found.said)
+
+
+@pytest.mark.parametrize("sign", [1.0, -1.0])
+def test_a_wild_current_turns_no_sign(tmp_path: Path, sign: float) -> None:
+    series = _series()
+    amperes = sign * series.current_a
+    amperes[30] = 80.0
+    file = _text(tmp_path, "time_s,voltage_v,current_a\n" + _rows(series=series._replace(current_a=amperes)))
+    found = measured_series(Measured(file=file))[0]
+    np.testing.assert_allclose(found.current_a, np.delete(series.current_a, 30), atol=1e-5)
+    assert any("no voltage answers to the current, left out: line 32 (80 A)" in line for line in found.said)
+
+
+def test_a_current_of_one_row_to_which_the_voltage_answers_stays(tmp_path: Path) -> None:
+    battery = card("lfp_8ah")
+    current = pulsed(battery.capacity_ah, 3, 300)
+    current[30] = 24.0
+    series = made(battery, 0.9, current, None)
+    file = _text(tmp_path, "time_s,voltage_v,current_a\n" + _rows(series=series))
+    assert measured_series(Measured(file=file))[0].current_a[30] == pytest.approx(24.0)
+
+
+def test_a_voltage_far_above_the_others_is_left_out_at_a_pulse_too(tmp_path: Path) -> None:
+    series = _series()
+    edge = int(np.flatnonzero(np.abs(np.diff(series.current_a)) > 1.0)[2]) + 1
+    volts = series.voltage_v.copy()
+    volts[edge] = 33.0
+    file = _text(tmp_path, "time_s,voltage_v,current_a\n" + _rows(series=series._replace(voltage_v=volts)))
+    assert any(f"line {edge + 2} (33 V)" in line for line in measured_series(Measured(file=file))[0].said)
+
+
+def _stamped(kind: str) -> tuple[str, list[str]]:
+    import datetime
+
+    begin = datetime.datetime(2024, 3, 10, 23, 30)
+    at = [begin + datetime.timedelta(seconds=float(one)) for one in _series().time_s]
+    seconds = [int(40 * one) for one in _series().time_s]
+    return {
+        "Date": ("Date", [one.isoformat(sep=" ") for one in at]),
+        "Date,Time": ("Date,Time", [one.strftime("%Y-%m-%d,%H:%M:%S") for one in at]),
+        "hours past a day": ("Test Time", [f"{s // 3600}:{s % 3600 // 60:02d}:{s % 60:02d}" for s in seconds]),
+        "days": ("TestTime", [f"{s // 86400}d {s // 3600 % 24:02d}:{s // 60 % 60:02d}:{s % 60:02d}.0" for s in seconds]),
+        "time/s": ("time/s", [f"{one:g}" for one in _series().time_s]),
+        "t [min]": ("t [min]", [f"{one / 60.0:.9f}" for one in _series().time_s]),
+    }[kind]  # fmt: skip
+
+
+@pytest.mark.parametrize("kind", ["Date", "Date,Time", "hours past a day", "days", "time/s", "t [min]"])
+def test_times_are_read_as_cyclers_write_them(tmp_path: Path, kind: str) -> None:
+    heading, cells = _stamped(kind)
+    values = zip(cells, _series().voltage_v, _series().current_a, strict=True)
+    lines = [f"{time},{volts:.6f},{1e3 * amperes:.3f}" for time, volts, amperes in values]
+    file = _text(tmp_path, "\n".join([f"{heading},Ewe/V,I/mA", *lines]))
+    found = measured_series(Measured(file=file))[0]
+    factor = 40.0 if kind in ("hours past a day", "days") else 1.0
+    np.testing.assert_allclose(found.time_s, factor * _series().time_s, atol=1e-4)
+    np.testing.assert_allclose(found.current_a, _series().current_a, atol=1e-5)
+
+
+def test_what_is_no_measurement_is_left_out_and_said(tmp_path: Path) -> None:
+    lines = ["time_s,voltage_mV,current_mA", *(f"{t:g},{1e3 * v:.3f},{1e3 * i:.3f}" for t, v, i in _plain_rows())]
+    lines[20], lines[30] = "NaN,NaN,NaN", lines[30].split(",")[0] + ",N/A,"
+    lines.append("4000,33")
+    found = measured_series(Measured(file=_text(tmp_path, "\n".join(lines))))[0]
+    assert len(found.time_s) == len(_series().time_s) - 2
+    kept = np.delete(np.arange(len(_series().time_s)), [19, 29])
+    np.testing.assert_allclose(found.voltage_v, _series().voltage_v[kept], atol=1e-5)
+    np.testing.assert_allclose(found.current_a, _series().current_a[kept], atol=1e-5)
+    for told in ("1 rows without a time", "1 rows without a value left out, the first line 31", "is cut off: left out"):
+        assert any(told in line for line in found.said)
+
+
+@pytest.mark.parametrize(
+    ("line", "told", "missing"),
+    [
+        ("End of test,,", r"allowed is a number of seconds.*measured\.missing=\[\"End of test\"\]'", "End of test"),
+        ("30,999999,0", r"999999.*measured\.missing=\[\"999999\"\]'", "999999"),
+    ],
+)  # fmt: skip
+def test_marks_are_refused_with_the_line_that_leaves_them_out(
+    tmp_path: Path, line: str, told: str, missing: str
+) -> None:
+    lines = ["time_s,voltage_v,current_a", *(f"{t:g},{v:.6f},{i:g}" for t, v, i in _plain_rows())]
+    lines[31] = line
+    file = _text(tmp_path, "\n".join(lines))
+    with pytest.raises(UserError, match=told):
+        measured_series(Measured(file=file))
+    assert len(measured_series(Measured(file=file, missing=(missing,)))[0].time_s) == len(_series().time_s) - 1
+
+
+def _plain_rows() -> list[tuple[float, float, float]]:
+    return list(zip(_series().time_s, _series().voltage_v, _series().current_a, strict=True))
+
+
+def test_a_file_named_twice_is_refused() -> None:
+    with pytest.raises(UserError, match=r"measured\.more: .*small\.csv' is named twice"):
+        run_of(["study=own_battery", f"measured.file={small_file()}", f"measured.more=[{small_file()}]"])
+
+
 @pytest.mark.parametrize(
     ("head", "words", "told"),
     [

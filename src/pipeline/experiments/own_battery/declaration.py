@@ -116,6 +116,9 @@ def check(study: Any) -> None:
             "measured.file: no file is named; give a CSV, Parquet or Excel file of time, voltage and current, "
             "measured.file=FILE"
         )
+    twice = next((name for name in measured.files if measured.files.count(name) > 1), None)
+    if twice is not None:
+        raise UserError(f"measured.more: {twice!r} is named twice; each file counts once")
     for name in chosen.held_out.files:
         if name not in measured.files:
             raise UserError(f"own_battery.held_out.files: {name!r} is none of {', '.join(measured.files)}")

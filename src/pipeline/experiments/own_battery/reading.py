@@ -14,7 +14,7 @@ from pipeline.errors import UserError
 from pipeline.experiments.own_battery.ordering import Ordered
 from pipeline.experiments.own_battery.records import Measured
 from pipeline.files import headings
-from pipeline.files.cells import Table, number, plain
+from pipeline.files.cells import Table, Torn, number, plain
 from pipeline.files.clock import clock_of
 from pipeline.files.content import load
 from pipeline.files.quantities import CURRENT, TEMPERATURE, VOLTAGE, Quantity
@@ -27,8 +27,19 @@ VOLTS = Quantity(
     *("voltage_v", "voltage", VOLTAGE, "V", -100.0, 5000.0),
     frozenset(
         (
-            *("voltage", "volt", "volts", "v", "u", "cellvoltage", "terminalvoltage", "batteryvoltage", "packvoltage"),
-            *("voltagev", "voltagevolt", "vbat", "vcell", "ecellv", "ecell", "spannung", "tension", "batvoltage"),
+            *("voltage", "volts", "volt", "v", "u", "cellvoltage", "terminalvoltage", "batteryvoltage", "packvoltage"),
+            *(
+                "voltagev",
+                "voltagevolt",
+                "vbat",
+                "vcell",
+                "ecellv",
+                "ecell",
+                "ewe",
+                "spannung",
+                "tension",
+                "batvoltage",
+            ),
         )
     ),
     "voltage of the battery",
@@ -67,8 +78,12 @@ AROUND = Quantity(
 QUANTITIES = (VOLTS, AMPERES, CELSIUS, AROUND)
 _TIMES = (
     *("testtime", "testtimesecond", "testtimes", "totaltime", "elapsedtime", "timesecond", "runtime", "time", "times"),
-    *("timestamp", "datetime", "dateandtime", "unixtime", "zeit", "datetimeiso"),
+    *("timestamp", "datetime", "dateandtime", "unixtime", "zeit", "datetimeiso", "uhrzeit", "zeitstempel", "t"),
+    *("date", "datum", "datetimeutc", "recordtime", "measuredat"),
 )
+_DATES = ("date", "datum", "day")
+_PASSED = re.compile(r"(?:(\d+)\s*d(?:ays?)?[\s,:-]*)?(\d+):(\d{2}):(\d{2}(?:[.,]\d+)?)")
+_DAY_S = 86400.0
 _MODES = ("mode", "status", "state", "steptype", "md", "stepname", "cyclerstate")
 _STEPS = ("stepcount", "stepindex", "step", "stepnumber", "stepid", "ns", "stepcount1")
 _CHARGE, _DISCHARGE, _REST = ("ch", "c", "l"), ("d", "e"), ("r", "p", "o", "i")
@@ -133,7 +148,7 @@ def _series(record: str, file: str, key: str, content: str) -> Series:
     found = headings.match(table, own, QUANTITIES, key)
     _refuse_missing(table, found, key)
     said += found.said
-    rows = list(range(len(table.places)))
+    rows = np.flatnonzero(~np.isnan(time_s)).tolist()
     lengths = np.ones(len(rows))
     columns: dict[str, Array] = {}
     for quantity in QUANTITIES:
@@ -144,17 +159,21 @@ def _series(record: str, file: str, key: str, content: str) -> Series:
             unit = headings.unit_of(table, own, quantity, heading, key)[1]
             if unit is None and not table.units.get(heading) and "(" not in heading and "/" not in heading:
                 said.append(f"column {heading!r} says no unit: taken in {quantity.unit}")
-    places = np.asarray(table.places, dtype=np.int64)
+    places = np.asarray(table.places, dtype=np.int64)[rows]
     modes = _column_of(table, own, "mode", _MODES)
     steps = _column_of(table, own, "step", _STEPS)
-    numbers = _step_numbers(table, steps)
-    order = Ordered(path, table.place, places, time_s, columns, numbers)
+    order = Ordered(path, table.place, places, time_s[rows], columns, _step_numbers(table, steps)[rows])
+    order.source = np.array(rows, dtype=np.int64)
     if dated:
         order.sort()
+    order.turn_round()
     order.join_sensors(said)
-    order.continue_resets()
+    order.drop_blocks()
+    order.sort_few()
+    order.continue_resets(key)
     order.drop_repeated()
     order.drop_glitches()
+    order.drop_wild_currents()
     said += order.said
     current, told = _signed(order, measured, modes, table, key)
     said += told
@@ -194,14 +213,19 @@ def _refuse_missing(table: Table, found: headings.Found, key: str) -> None:
 
 
 def _times(table: Table, own: OwnFile, measured: Measured, key: str) -> tuple[Array, bool, list[str]]:
-    """Return the time of every row [s], from a column or from the interval that is given, and whether it has dates."""
+    """Return the time of every row [s], from a column or from the interval that is given, and whether it has dates.
+
+    NaN where a row has none: by what is written there, or a last row that was cut off.
+    """
     named = own.columns.get("time") or own.columns.get("time_s") or own.columns.get("date")
-    likely = next((name for word in _TIMES for name in table.columns if plain(name) == word), None)
     exact = next((name for name in ("time_s", "time") if name in table.columns), None)
-    if named is None and exact is None and likely is None and measured.sample_interval_s is not None:
-        told = f"no column of time: rows {measured.sample_interval_s:g} s apart, as {key}sample_interval_s says"
+    likely = next((name for word in _TIMES for name in table.columns if plain(name) == word), None)
+    heading = named or exact or likely
+    if measured.sample_interval_s is not None and named is None:
+        told = f"rows {measured.sample_interval_s:g} s apart, as {key}sample_interval_s says"
+        told = f"no column of time: {told}" if heading is None else f"{told}; column {heading!r} is not used"
         return measured.sample_interval_s * np.arange(len(table.places), dtype=np.float64), False, [told]
-    if named is None and exact is None and likely is None:
+    if heading is None:
         above = " ".join(table.preamble.lines)
         rate = re.search(r"(\d+(?:\.\d+)?)\s*Hz", above)
         guess = f"{1.0 / float(rate[1]):g}" if rate and float(rate[1]) else "1"
@@ -211,18 +235,59 @@ def _times(table: Table, own: OwnFile, measured: Measured, key: str) -> tuple[Ar
             f"{key}sample_interval_s={guess}, else {headings.spelled(key, 'time', 'HEADING')}; its columns are "
             f"{', '.join(table.columns)}"
         )
-    if named is None and exact is None:
-        seconds = {"time_s": "s"} if plain(str(likely)).endswith(("second", "seconds")) else {}
-        own = own.model_copy(
-            update={"columns": {**own.columns, "time": str(likely)}, "units": {**seconds, **own.units}}
-        )
-    clock = clock_of(table, own, None, key)
+    if heading not in table.columns:
+        clock_of(table, own, None, key)  # says what is nearest
+    cells = table.columns[heading]
+    last = len(cells) - 1 if len(cells) and isinstance(cells[-1], Torn) else -1
+    gone = [place == last or str(cell).strip() in own.missing or cell is None for place, cell in enumerate(cells)]
+    whole = [place for place, left in enumerate(gone) if not left]
+    said = [f"{table.named(last)}, the last, is cut off: left out"] if last >= 0 else []
+    if sum(gone) > (last >= 0):
+        said.append(f"{sum(gone) - (last >= 0)} rows without a time left out")
+    time_s, dated, more = _clock(table, own, heading, whole, named is None and exact is None, key)
+    found = np.full(len(cells), np.nan)
+    found[whole] = time_s
+    return found, dated, [*more, *said]
+
+
+def _clock(
+    table: Table, own: OwnFile, heading: str, rows: list[int], likely: bool, key: str
+) -> tuple[Array, bool, list[str]]:
+    """Return the time of some rows [s], whether it has dates, and what was found."""
+    passed = [_elapsed_s(table.columns[heading][row]) for row in rows]
+    elapsed = [one for one in passed if one is not None]
+    date = next((name for name in table.columns if plain(name) in _DATES and name != heading), None)
+    beside = date is not None and own.columns.get("date") is None and len(elapsed) == len(rows)
+    if len(elapsed) == len(rows) and (max(elapsed, default=0.0) >= _DAY_S or not beside):
+        return np.array(elapsed), False, [f"time: column {heading!r}, time that has passed"]
+    few = table._replace(
+        columns={name: [cells[row] for row in rows] for name, cells in table.columns.items()},
+        places=[table.places[row] for row in rows],
+    )
+    if likely or beside:
+        seconds = {"time_s": "s"} if plain(heading).endswith(("second", "seconds")) else {}
+        named = {"time": heading} | ({"date": str(date)} if beside else {})
+        own = own.model_copy(update={"columns": {**own.columns, **named}, "units": {**seconds, **own.units}})
+    clock = clock_of(few, own, None, key)
     unread = np.flatnonzero(np.isnan(clock.wall_s))
     if len(unread):
-        raise table.refused(int(unread[0]), clock.column, clock.told(int(unread[0])), clock.allowed)
+        row = int(unread[0])
+        cell = few.columns[heading][row]
+        allowed = clock.allowed if clock.dated else "a number of seconds, as in the other rows"
+        hint = "" if isinstance(cell, Torn) else f"; '{key}missing=[\"{cell}\"]' leaves such rows out"
+        raise few.refused(row, clock.column, clock.told(row), allowed + hint)
     offset = np.where(np.isnan(clock.offset_s), 0.0, clock.offset_s)
     kind = "dates" if clock.dated else "seconds"
     return clock.wall_s - offset, clock.dated, [f"time: column {clock.column!r}, {kind}", *clock.said]
+
+
+def _elapsed_s(cell: object) -> float | None:
+    """Return the time that has passed by a cell as `73:05:10.5`, `3d 01:05:10`; none where it is written otherwise."""
+    found = _PASSED.fullmatch(cell.strip()) if isinstance(cell, str) else None
+    if found is None:
+        return None
+    days, hours, minutes, seconds = (float((one or "0").replace(",", ".")) for one in found.groups())
+    return _DAY_S * days + 3600.0 * hours + 60.0 * minutes + seconds
 
 
 def _column_of(table: Table, own: OwnFile, name: str, words: tuple[str, ...]) -> str | None:
@@ -263,7 +328,8 @@ def _signed(
         )
     raise UserError(
         f"{order.path}: whether a positive current charges or discharges cannot be seen in the voltage; say it, "
-        f"{key}current=positive_charging or {key}current=positive_discharging"
+        f"{key}current=positive_charging or {key}current=positive_discharging; or by_mode, where a column says charge, "
+        "discharge or rest"
     )
 
 
@@ -309,7 +375,8 @@ def _answer(time_s: Array, volts: Array, current: Array) -> tuple[float, int]:
     """Return the share of changes of current to which the voltage answers in the same direction, and their number."""
     lengths = np.diff(time_s)
     usual = float(np.median(lengths[lengths > 0.0])) if (lengths > 0.0).any() else 1.0
-    span = np.ptp(current)
+    # Of a single wild current the largest changes would be those to it and back.
+    span = float(np.ptp(np.percentile(current, [0.2, 99.8])))
     large = np.flatnonzero((np.abs(np.diff(current)) > 0.1 * (span + 1e-30)) & (lengths <= 20.0 * usual))
     if not len(large) or span == 0.0:
         return 0.5, 0

@@ -12,6 +12,9 @@ from pipeline.record import OwnFile, Record
 COLUMNS = ("time", "time_s", "date", "voltage_v", "current_a", "temperature_c", "ambient_c", "mode", "step")
 """The quantities of a measurement, as `measured.columns` and `measured.units` name them."""
 
+NOTHING = ("", "NaN", "nan", "NA", "N/A", "n/a", "#N/A", "null", "NULL", "None", "none", "-", "--", "---")
+"""What loggers and tables write where nothing was measured."""
+
 Sign = Literal["auto", "positive_charging", "positive_discharging", "by_mode"]
 Between = Literal["auto", "step", "line"]
 
@@ -32,7 +35,9 @@ class Measured(OwnFile):
         "straight; auto: step where rows are at most 10 s apart",
     )
     sample_interval_s: float | None = Field(
-        default=None, gt=0, description="time from row to row of a file without a column of times [s]"
+        default=None,
+        gt=0,
+        description="time from row to row, of a file without a column of times or in place of times that are wrong [s]",
     )
     ambient_c: float | None = Field(
         default=None, ge=-60, le=100, description="temperature of the surroundings, for a file without it [degC]"
@@ -54,7 +59,7 @@ class Measured(OwnFile):
     def one(self, file: str) -> OwnFile:
         """Return the record of one of the files, empty cells being rows of other sensors."""
         values = {name: getattr(self, name) for name in OwnFile.model_fields}
-        return OwnFile.model_validate(values | {"file": file, "missing": (*self.missing, "")})
+        return OwnFile.model_validate(values | {"file": file, "missing": (*self.missing, *NOTHING)})
 
 
 Share = Annotated[float, Field(ge=0, le=1)]
