@@ -8,7 +8,7 @@ CORES ?= 2
 
 .PHONY: check-python all test test-slow test-struck test-browser browser-setup lint bench bench-slow faults faults-short fuzz \
 	fuzz-short validate accuracy reproduce reproduce-generic expected own-battery-proof setup setup-dev setup-docs \
-	setup-slurm docs lock clean help
+	setup-slurm slurm-test docs lock clean help
 
 all: setup ## run every study: results/ and reports/
 	$(BIN)/snakemake --cores $(CORES) all
@@ -57,6 +57,9 @@ faults: setup-dev ## kills, full disks, read-only folders, by the thousand; a ta
 
 faults-short: setup-dev ## the same in about five minutes, for every change
 	$(BIN)/python -m tests.faults --short
+
+slurm-test: setup-slurm ## a Slurm of one node on loopback, as root with Debian's slurm-wlm and munge: jobs, faults, equal bytes
+	PYTHONPATH=src:. .venv-slurm/bin/python -m tests.slurm
 
 own-battery-proof: setup-dev ## fits of made measurements, 100 draws a battery: do 95 % intervals hold the truth? half an hour
 	$(BIN)/python -m tests.experiments.own_battery.proof --draws 100
