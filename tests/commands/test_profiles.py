@@ -75,6 +75,6 @@ def test_a_sweep_is_shared_out_as_its_profile_says() -> None:
     words = ["modes.run=[cc_cv]", f"modes.cc_cv.max_current_a={','.join(str(1 + n / 10) for n in range(8))}"]
     short = Profile("mine", Path("mine"), jobs=4)
     assert _jobs(swept_plan(words, "1", short)) == 8
-    assert _jobs(swept_plan(words, "1", short._replace(job_s=0.35))) == 2
-    assert _jobs(swept_plan([*words, "sweep.job_s=0"], "1", short._replace(job_s=0.35))) == 8
+    assert _jobs(swept_plan(words, "1", short._replace(job_s=0.05))) == 2
+    assert _jobs(swept_plan([*words, "sweep.job_s=0"], "1", short._replace(job_s=0.05))) == 8
     assert _jobs(swept_plan(words, "1")) == 2

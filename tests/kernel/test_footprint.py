@@ -84,9 +84,9 @@ def _charged(*words: str) -> list[int]:
 
 
 def test_jobs_of_a_sweep_hold_at_least_the_work_that_is_asked_for() -> None:
-    # Six charges of 0.1 s each, by their footprint.
+    # Six charges of 0.015 s each, by their footprint.
     assert _charged() == [3, 3]
-    assert _charged("sweep.job_s=0.35") == [3, 3]
-    assert _charged("sweep.job_s=0.55") == [6]
+    assert _charged("sweep.job_s=0.05") == [3, 3]
+    assert _charged("sweep.job_s=0.085") == [6]
     assert _charged("sweep.job_s=30") == [6]
     assert set(_sweep()["nodes"]) == set(_sweep("sweep.job_s=30")["nodes"])

@@ -14,6 +14,7 @@ import subprocess
 import sys
 import tempfile
 import time
+from collections import Counter
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
@@ -39,8 +40,8 @@ default-resources:
 STUDY = ["study=solar_reflex"]
 RUNS = 200
 SWEEP = ["-m", "modes.run=[cc_cv]", f"modes.cc_cv.max_current_a={','.join(f'{1 + n / 100:g}' for n in range(RUNS))}"]
-# A charge takes 0.1 s by its footprint.
-SWEEP += ["sweep.name=many", "sweep.job_s=2"]
+# A charge takes 0.015 s by its footprint.
+SWEEP += ["sweep.name=many", "sweep.job_s=0.3"]
 TROUBLED = """
     import os
     import time
@@ -135,15 +136,16 @@ def _line(*words: object) -> None:
 
 def _same_as_local(cluster: Cluster, folder: Path, local: Path | None) -> Project:
     """A study through Slurm has the artefacts of a run on this machine, byte for byte."""
-    before, begun = len(cluster.jobs()), time.monotonic()
+    before, begun = set(cluster.jobs()), time.monotonic()
     project = Project(folder / "study")
     project.done(project.start("pipeline", "--profile", "slurm", *STUDY))
     took = time.monotonic() - begun
-    jobs = len(cluster.jobs()) - before
+    jobs = len(cluster.jobs()) - len(before)
     if local is None:
         here = Project(folder / "local")
         here.done(here.start("pipeline", *STUDY))
         local = here.folder
+        _must(not (local / ".snakemake" / "slurm_logs").exists(), "the local run went to Slurm")
     expected = {
         f"{path.parent.name}/{path.name}": store.contents(path)
         for path in (local / "results" / "store").glob("*/[!.]*")
@@ -155,11 +157,25 @@ def _same_as_local(cluster: Cluster, folder: Path, local: Path | None) -> Projec
     _must(not differing, f"other bytes than the local run: {differing}")
     plans = sum(1 for _ in (project.results / "receipts").glob("*/*.json"))
     _line(
-        f"study: {len(made)} artefacts equal to the local run's byte for byte; {plans} receipts by {jobs} jobs; {took:.0f} s"
+        f"study: {len(made)} artefacts, byte for byte those of the local run; {plans} receipts, {jobs} jobs; {took:.0f} s"
     )
+    _told_jobs(cluster, set(cluster.jobs()) - before)
     project.done(project.start("pipeline", "--profile", "slurm", *STUDY))
-    _must(len(cluster.jobs()) - before == jobs, "a second run submitted jobs although there was nothing to do")
+    _must(len(cluster.jobs()) - len(before) == jobs, "a second run submitted jobs although there was nothing to do")
     return project
+
+
+def _told_jobs(cluster: Cluster, numbers: Iterable[int]) -> None:
+    """Tell how many jobs ended in each state, and how long those took that were completed."""
+    jobs = [job for number, job in cluster.jobs().items() if number in set(numbers)]
+    states = Counter(job["JobState"] for job in jobs)
+    took = sorted(_seconds(job["RunTime"]) for job in jobs if job["JobState"] == "COMPLETED")
+    _line(f"  jobs: {dict(states)}; shortest {took[0]} s, median {took[len(took) // 2]} s, longest {took[-1]} s")
+
+
+def _seconds(clock: str) -> int:
+    hours, minutes, seconds = clock.split("-")[-1].split(":")
+    return 3600 * int(hours) + 60 * int(minutes) + int(seconds)
 
 
 def _swept(cluster: Cluster, folder: Path) -> Project:
@@ -171,15 +187,19 @@ def _swept(cluster: Cluster, folder: Path) -> Project:
 
     hit = cluster.wait_for("RUNNING", "charge_battery", 600.0)
     cluster.ask("scancel", str(hit))
-    _line(f"scancel of a running job ({hit}): state {cluster.jobs()[hit]['JobState']}")
+    _until(lambda: cluster.jobs()[hit]["JobState"] == "CANCELLED", "the job that was cancelled")
+    _line("scancel of a running job: CANCELLED; its charges are made by another job")
 
     _until(lambda: len(project.receipted("charge")) > 0, "a first receipt of charges")
     cluster.ask("scontrol", "update", f"nodename={cluster.host}", "state=drain", "reason=test")
+    begun_then = {number for number, job in cluster.jobs().items() if job["JobState"] != "PENDING"}
     time.sleep(12.0)
-    started = {number for number, job in cluster.jobs().items() if job["JobState"] == "RUNNING"}
+    jobs = cluster.jobs()
+    new_ones = {number for number, job in jobs.items() if job["JobState"] != "PENDING"} - begun_then
+    waiting = sum(job["JobState"] == "PENDING" for job in jobs.values())
+    _must(not new_ones and waiting, f"on a drained node jobs began ({new_ones}), or none waited ({waiting})")
     cluster.ask("scontrol", "update", f"nodename={cluster.host}", "state=resume")
-    waiting = sum(job["JobState"] == "PENDING" for job in cluster.jobs().values())
-    _line(f"drained node: {len(started)} jobs went on, {waiting} waited; resumed")
+    _line(f"drained node: what ran went on, {waiting} jobs waited until it was resumed")
 
     _until(lambda: len(project.receipted("charge")) >= RUNS // 5, "receipts of a fifth of the charges")
     for process in [*psutil.Process(first.pid).children(recursive=True), psutil.Process(first.pid)]:
@@ -202,9 +222,10 @@ def _swept(cluster: Cluster, folder: Path) -> Project:
     _must(chunks >= 10, f"{chunks} jobs of charges, less than ten")
     took = time.monotonic() - begun
     _line(
-        f"sweep: {RUNS} runs in {chunks} jobs of {RUNS // chunks} charges, {len(set(cluster.jobs()) - before)} jobs in all; "
+        f"sweep: {RUNS} runs in {chunks} chunks of {RUNS // chunks}, {len(set(cluster.jobs()) - before)} jobs in all; "
         f"a row each; nothing lost, nothing made again that had a receipt; {took:.0f} s"
     )
+    _told_jobs(cluster, set(cluster.jobs()) - before)
     return project
 
 
@@ -265,10 +286,8 @@ def _troubled(cluster: Cluster, troubles: Mapping[str, Trouble]) -> None:
     )
     _must("Exceeded job memory limit" in logs, "the log of the job does not say why it was ended")
     _line(f"a job past its memory: {' then '.join(states)}, with twice the memory; its log: Exceeded job memory limit")
-    _line(
-        "  enforced by looking each second at what its processes hold (jobacct_gather/linux, OverMemoryKill): a job that"
-    )
-    _line("  takes and frees more within a second is not seen; cgroups, which no job passes, are not used here")
+    _line("  enforced by a look each second at what its processes hold (jobacct_gather/linux, OverMemoryKill): a job")
+    _line("  that takes and frees more within a second is not seen; cgroups, which no job passes, are not used here")
 
 
 def _measured(projects: Iterable[Project]) -> None:

@@ -47,8 +47,9 @@ CHUNK = "{wildcards.chunk}"
 """How Snakemake's messages name the job."""
 STALE = "~"
 """Behind the name of a chunk whose receipt is there but would be deleted by a run: to a dry run it is missing."""
-BESIDE_MB = 300
-"""Memory of the processes of Snakemake that run a job on another machine [MB]."""
+BESIDE_MB = 400
+"""Memory of the two processes of Snakemake that run a job on another machine [MB]."""
+_PLAN_IN_MEMORY = 6.0  # of its size as a file, in every process that reads it
 Purpose = Literal["run", "look", "job"]
 # Options of Snakemake with which it makes nothing.
 _LOOKING = (
@@ -181,8 +182,9 @@ class Workflow:
         elsewhere : not on this machine: with the job run two processes of Snakemake.
         """
         found: int = self.plan["chunks"][chunk.removesuffix(STALE)]["resources"][what]
-        if what == "mem_mb" and elsewhere:
-            found += BESIDE_MB
+        if what == "mem_mb":
+            in_memory_mb = round(_PLAN_IN_MEMORY * self.file.stat().st_size / 1e6)
+            found += BESIDE_MB + 3 * in_memory_mb if elsewhere else in_memory_mb
         return found if what == "threads" else found * 2 ** (attempt - 1)
 
     def handed_on(self) -> list[str]:

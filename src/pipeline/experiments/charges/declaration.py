@@ -79,7 +79,7 @@ CHARGED = Step(
     rule="charge_battery",
     message="Charge: {chunk}",
     settings=_charge_settings,
-    effort=Footprint(_charge_effort, node_s=0.1, together=48),
+    effort=Footprint(_charge_effort, node_s=0.015, together=48),
     reads=("{cell}", "charge", "engine", "comparisons.{comparison}", "modes.{mode}", "modes.{reference}"),
     takes=("engine", "supply", FOUND),
     tables=CHARGE,
