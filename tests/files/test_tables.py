@@ -8,7 +8,7 @@ import pyarrow.parquet as pq
 import pytest
 
 from pipeline.errors import UserError
-from pipeline.files.cells import number
+from pipeline.files.cells import Stamp, number
 from pipeline.files.clock import clock_of, placed
 from pipeline.files.moments import MDY, moment
 from pipeline.files.read import table
@@ -382,3 +382,38 @@ def test_times_of_a_parquet_file_beyond_all_calendars(tmp_path):
     )
     with pytest.raises(UserError, match=r"row 1, column time: .*; allowed is a time as"):
         weather_rows(card(tmp_path / "own.parquet"))
+
+
+@pytest.mark.parametrize(
+    "value",
+    [
+        Stamp(-64_092_211_200.0, universal=True),  # the year -61, which no date has
+        Stamp(-62_135_596_800.0, universal=False),
+        Stamp(253_402_300_799.0, universal=True),
+        datetime.datetime(1, 1, 1, tzinfo=datetime.UTC),
+        datetime.datetime(9999, 12, 31, 23),
+        datetime.date(1799, 12, 31),
+        "1677-09-20 00:00",
+        "9999-12-31T23:00+14:00",
+    ],
+)
+def test_a_time_outside_the_years_that_dates_can_be_reckoned_in_is_none(value):
+    assert moment(value) is None
+    assert moment("0001-01-01", time_format="%Y-%m-%d") is None
+
+
+@pytest.mark.parametrize("value", [datetime.date(1800, 1, 1), datetime.datetime(2200, 12, 31, 23, 59), "12:30"])
+def test_a_time_within_is_one(value):
+    assert moment(value) is not None
+
+
+@pytest.mark.parametrize("year", [-9000, 1, 1677, 9999])
+def test_a_parquet_file_of_an_impossible_year_is_refused(year, tmp_path):
+    micro = int((year - 1970) * 365.2425 * 86400e6)
+    times = pa.array([micro + hour * 3_600_000_000 for hour in range(24)], pa.int64()).cast(
+        pa.timestamp("us", tz="UTC")
+    )
+    columns = {"time": times, "irradiance_w_m2": pa.array([100.0] * 24), "ambient_c": pa.array([20.0] * 24)}
+    pq.write_table(pa.table(columns), tmp_path / "own.parquet")
+    with pytest.raises(UserError, match=r"own\.parquet"):
+        weather_day(card(tmp_path / "own.parquet", utc_offset_h=14.0))

@@ -9,6 +9,7 @@ from functools import lru_cache
 from typing import Any, NamedTuple
 
 from pipeline.files.cells import Stamp
+from pipeline.weather.records import YEARS
 
 DAY_S = 86400.0
 _EPOCH = datetime.date(1970, 1, 1).toordinal()
@@ -39,8 +40,11 @@ class Moment(NamedTuple):
     at_24: bool = False
 
 
+_EARLIEST_S, _END_S = (DAY_S * (datetime.date(year, 1, 1).toordinal() - _EPOCH) for year in (YEARS[0], YEARS[-1] + 1))
+
+
 def moment(value: Any, order: str = YMD, time_format: str | None = None) -> Moment | None:
-    """Return a time, none where it is none.
+    """Return a time, none where it is none or its year none of `YEARS`.
 
     Arguments
     ---------
@@ -48,6 +52,12 @@ def moment(value: Any, order: str = YMD, time_format: str | None = None) -> Mome
     order : order of day, month and year where the year does not stand first.
     time_format : of strptime, where the person gives one.
     """
+    found = _moment(value, order, time_format)
+    within = found is None or not found.dated or _EARLIEST_S <= found.wall_s < _END_S
+    return found if within else None
+
+
+def _moment(value: Any, order: str, time_format: str | None) -> Moment | None:
     if isinstance(value, Stamp):
         return Moment(value.seconds, 0.0 if value.universal else None)
     if isinstance(value, datetime.datetime):
@@ -110,7 +120,7 @@ def _written(text: str, order: str) -> Moment | None:
 
 def _at(year: int, month: int, day: int, found: re.Match[str]) -> Moment | None:
     seconds = _seconds(found) if found["hour"] is not None else 0.0
-    if seconds is None or not 1800 <= year <= 2200:
+    if seconds is None or year not in YEARS:
         return None
     days = _days(year, month, day)
     if days is None:

@@ -12,6 +12,8 @@ from pipeline.panel.records import ConstantWeather
 from pipeline.record import OwnFile, Record
 
 _MOST_OFF_H = 4.0
+YEARS = range(1800, 2201)
+"""Years that a date or a time may have: arithmetic ends at the years 1 and 9999, that of pandas at 1677 and 2262."""
 
 
 def _is_a_date(date: str) -> str:
@@ -21,6 +23,8 @@ def _is_a_date(date: str) -> str:
         usual = False
     if not usual:
         raise ValueError(f"date is {date!r}; it must be a day as YYYY-MM-DD, e.g. 2015-03-20")
+    if int(date[:4]) not in YEARS:
+        raise ValueError(f"date is {date!r}; allowed are the years {YEARS[0]} to {YEARS[-1]}")
     return date
 
 
