@@ -13,7 +13,7 @@ import sys
 from benchmarks import results
 from benchmarks.protocol import Row
 
-WITH_ROWS = ("edge", "averaged", "hour", "switched", "maximum_power", "chemistry", "day", "sweep")
+WITH_ROWS = ("edge", "averaged", "hour", "switched", "maximum_power", "chemistry", "day", "sweep", "own_fit")
 OWN_OUTPUT = ("bound", "instructions", "genetic", "searches")
 SLOW = ("hour", "instructions")
 

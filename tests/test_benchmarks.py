@@ -236,3 +236,23 @@ def test_numbers_count_what_is_done_to_them_and_know_what_they_wait_for(monkeypa
     assert found.ready == 12.0
     assert max(a, b) is b
     assert counting.Count.done["compare"] == 1
+
+
+def test_a_fit_against_pybop_is_told_missing_where_no_python_with_it_is_named(monkeypatch: pytest.MonkeyPatch) -> None:
+    from benchmarks import own_fit
+
+    monkeypatch.delenv("PYBOP_PYTHON", raising=False)
+    assert [row.status for row in own_fit.rows()] == ["not installed"] * 2
+
+
+def test_our_side_of_the_fit_against_pybop_finds_what_made_the_pulses() -> None:
+    from benchmarks import own_fit
+
+    from pipeline.experiments.own_battery.numbers import with_values
+    from tests.experiments.own_battery.making import made, steps
+
+    battery = with_values(own_fit._battery(3.3), {own_fit.PATHS["r0"]: 0.03, own_fit.PATHS["tau_s"]: 40.0})
+    stretch = made(battery, 0.7, steps((0.0, 30), (-6.0, 10), (0.0, 180), (6.0, 12)), None)
+    found = own_fit._ours(stretch, 0.7)
+    assert found["values"] == pytest.approx({"r0": 0.03, "r1": 0.02, "tau_s": 40.0}, rel=1e-3)
+    assert found["rmse_v"] < 1e-6
