@@ -117,7 +117,7 @@ def _peer(python: str, stretch: Series, soc: float) -> dict[str, Any]:
 
 def _row(name: str, method: str, ours: dict[str, Any], peer: dict[str, Any]) -> Row:
     ratio = peer["wall_s"] / ours["wall_s"]
-    numbers = "; ".join(
+    numbers = f"{peer['version']}; {peer['evaluations']} evaluations; " + "; ".join(
         f"{who}: R0 {1e3 * one['r0']:.2f} mOhm, R1 {1e3 * one['r1']:.2f} mOhm, {one['tau_s']:.1f} s"
         for who, one in (("ours", ours["values"]), ("PyBOP", peer["values"]))
     )
@@ -125,5 +125,5 @@ def _row(name: str, method: str, ours: dict[str, Any], peer: dict[str, Any]) -> 
         name, f"{pybop_fit.TITLE}, {method}", ours["wall_s"], peer["wall_s"], ratio, ratio, ratio,
         peer["processor_s"] / ours["processor_s"], ours["rmse_v"], peer["rmse_v"], "rmse of the voltage [V]",
         # No larger error, but for what the two end their searches with.
-        1.001 * peer["rmse_v"], FASTER, rounds=1, note=f"{peer['version']}; {peer['evaluations']} evaluations; {numbers}",
+        1.001 * peer["rmse_v"], FASTER, rounds=1, note=numbers,
     )  # fmt: skip

@@ -255,4 +255,4 @@ def test_our_side_of_the_fit_against_pybop_finds_what_made_the_pulses() -> None:
     stretch = made(battery, 0.7, steps((0.0, 30), (-6.0, 10), (0.0, 180), (6.0, 12)), None)
     found = own_fit._ours(stretch, 0.7)
     assert found["values"] == pytest.approx({"r0": 0.03, "r1": 0.02, "tau_s": 40.0}, rel=1e-3)
-    assert found["rmse_v"] < 1e-6
+    assert found["rmse_v"] < 1e-5

@@ -1,4 +1,4 @@
-"""PyBOP's fit of a Thevenin model to a stretch of a measurement; run by a Python of its own, since it pins another numpy.
+"""PyBOP's fit of a Thevenin model to a stretch of a measurement, run by a Python of its own: it pins another numpy.
 
     PYTHON_WITH_PYBOP benchmarks/peers/pybop_fit.py TASK.json
 
