@@ -13,7 +13,8 @@ def main() -> int:
     """Charge; return 1 where the charge is not what it is to be."""
     charge = pipeline.charge(battery="lead_acid_12v7ah", mode="cc_cv", initial_soc=0.2)
     found = charge.summary
-    print(f"Python {sys.version.split()[0]}: SOC {found['end_soc']:.6f} after {found['end_time_s']:.6f} s")
+    told = f"SOC {found['end_soc']:.6f} after {found['end_time_s']:.6f} s"
+    sys.stdout.write(f"Python {sys.version.split()[0]}: {told}\n")
     right = abs(found["end_soc"] - CHARGED_SOC) < 1e-9 and abs(found["energy_balance_residual"]) < 1e-9
     return 0 if right else 1
 

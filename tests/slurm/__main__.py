@@ -157,7 +157,8 @@ def _same_as_local(cluster: Cluster, folder: Path, local: Path | None) -> Projec
     _must(not differing, f"other bytes than the local run: {differing}")
     plans = sum(1 for _ in (project.results / "receipts").glob("*/*.json"))
     _line(
-        f"study: {len(made)} artefacts, byte for byte those of the local run; {plans} receipts, {jobs} jobs; {took:.0f} s"
+        f"study: {len(made)} artefacts, byte for byte those of the local run; "
+        f"{plans} receipts, {jobs} jobs; {took:.0f} s"
     )
     _told_jobs(cluster, set(cluster.jobs()) - before)
     project.done(project.start("pipeline", "--profile", "slurm", *STUDY))

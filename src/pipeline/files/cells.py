@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import datetime
 import math
 import re
 from collections import Counter
@@ -281,6 +282,14 @@ class Stamp(NamedTuple):
 
     seconds: float
     universal: bool
+
+    def __repr__(self) -> str:
+        """Return it as messages tell it."""
+        try:
+            told = (datetime.datetime(1970, 1, 1) + datetime.timedelta(seconds=self.seconds)).isoformat()
+        except OverflowError:
+            return f"{self.seconds:g} s after 1970"
+        return f"{told}Z" if self.universal else told
 
 
 _LONGEST = 100

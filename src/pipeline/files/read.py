@@ -100,7 +100,6 @@ def _text_table_rows(content: Content, lines: Sequence[str], delimiter: str) -> 
 
 
 _MOST_ROWS = 2_000_000
-_LATEST_S = 253_402_300_800.0  # the year 10000
 
 
 def parquet(content: Content) -> Table:
@@ -124,7 +123,7 @@ def _cells(column: pa.ChunkedArray) -> Sequence[Any]:
     if pa.types.is_timestamp(kind):
         micro = column.cast(pa.timestamp("us", tz=kind.tz), safe=False).cast(pa.int64()).to_pylist()
         universal = kind.tz is not None
-        return [None if value is None else _stamp(value * 1e-6, universal) for value in micro]
+        return [None if value is None else Stamp(value * 1e-6, universal) for value in micro]
     if pa.types.is_date(kind):
         return [None if value is None else value.isoformat() for value in column.to_pylist()]
     if pa.types.is_floating(kind):
@@ -134,10 +133,6 @@ def _cells(column: pa.ChunkedArray) -> Sequence[Any]:
         ]
     cells: list[Any] = column.to_pylist()
     return cells
-
-
-def _stamp(seconds: float, universal: bool) -> Stamp | str:
-    return Stamp(seconds, universal) if 0.0 <= abs(seconds) < _LATEST_S else f"{seconds:g} s after 1970"
 
 
 def excel(content: Content, sheet: str | None, decimal: str = "auto", doubled: bool = False) -> Table:

@@ -220,7 +220,10 @@ def _stamped(kind: str) -> tuple[str, list[str]]:
         "Date": ("Date", [one.isoformat(sep=" ") for one in at]),
         "Date,Time": ("Date,Time", [one.strftime("%Y-%m-%d,%H:%M:%S") for one in at]),
         "hours past a day": ("Test Time", [f"{s // 3600}:{s % 3600 // 60:02d}:{s % 60:02d}" for s in seconds]),
-        "days": ("TestTime", [f"{s // 86400}d {s // 3600 % 24:02d}:{s // 60 % 60:02d}:{s % 60:02d}.0" for s in seconds]),
+        "days": (
+            "TestTime",
+            [f"{s // 86400}d {s // 3600 % 24:02d}:{s // 60 % 60:02d}:{s % 60:02d}.0" for s in seconds],
+        ),
         "time/s": ("time/s", [f"{one:g}" for one in _series().time_s]),
         "t [min]": ("t [min]", [f"{one / 60.0:.9f}" for one in _series().time_s]),
     }[kind]  # fmt: skip
