@@ -72,3 +72,34 @@ _charge_pipeline; printf '%s\\n' "${{COMPREPLY[@]}}"
 def test_another_shell_is_refused() -> None:
     with pytest.raises(UserError, match="bash, zsh or fish"):
         looking.main(["tcsh"])
+
+
+@pytest.mark.parametrize(
+    ("words", "told"),
+    [
+        (["hydra.run.dir=x"], "a run lies in results/<study>/<run>"),
+        (["-m", "hydra.sweep.dir=x"], "a sweep in results/<study>/sweeps/<name> (sweep.name=NAME)"),
+        (["-m", "hydra/launcher=joblib"], "Snakemake starts the jobs (--cores N, or a profile)"),
+        (["+hydra.sweeper.params=1"], "of Hydra's own settings none is used"),
+        (["-m", "modes.cc_cv.max_current_a=interval(1,2)"], "Optuna, Ax and Nevergrad draw from one"),
+        (["modes.cc_cv.max_current_a=interval(1,2)"], "give range(1,5,0.5)"),
+        (["--resolve"], "option --resolve: of what --cfg prints; give --cfg beside it"),
+        (["-p", "battery"], "option --package: of what --cfg prints"),
+        (["--config-name=x"], "study=NAME chooses the study"),
+        (["-cd", "x"], "conf/ of a project (charge-pipeline init) comes before the shipped one"),
+        (["-sc"], "charge-pipeline completion bash, zsh or fish"),
+        (["--hydra-help"], "--info the versions and files"),
+        (["--experimental-rerun", "x"], "the same command goes on"),
+        (["--conf"], "unknown; see python -m pipeline --help"),
+    ],
+)
+def test_what_hydra_has_and_this_has_not_is_answered_in_one_line(words: list[str], told: str) -> None:
+    with pytest.raises(UserError) as refused:
+        run.main(["-n", *words])
+    assert told in str(refused.value)
+    assert "\n" not in str(refused.value)
+
+
+def test_values_are_resolved_whether_or_not_it_is_asked_for(capsys: pytest.CaptureFixture[str]) -> None:
+    assert run.main(["--cfg", "job", "--resolve", "-p", "modes.cv_pulse.frequency_hz", *WORDS]) == 0
+    assert capsys.readouterr().out == "# @package modes.cv_pulse.frequency_hz\n50\n...\n"

@@ -22,6 +22,15 @@ from pipeline.kernel.places import place
 
 CFG = ("job", "hydra", "all")
 """What --cfg prints: the composed configuration, what is used of Hydra, or both."""
+_GROUPS = "conf/ of a project (charge-pipeline init) comes before the shipped one; study=NAME chooses the study"
+INSTEAD = {
+    **dict.fromkeys(("--config-name", "-cn", "--config-path", "-cp", "--config-dir", "-cd"), _GROUPS),
+    **dict.fromkeys(("--shell-completion", "-sc"), "charge-pipeline completion bash, zsh or fish prints it"),
+    **dict.fromkeys(("--hydra-help", "--version"), "--help tells the words and groups, --info the versions and files"),
+    **dict.fromkeys(("--run", "-r"), "a run is what happens without -m"),
+    "--experimental-rerun": "the same command goes on where it was; a manifest.json has the command of its run",
+}
+"""Option of Hydra that is none here -> what takes its place."""
 _QUIET = ["--quiet", *QUIET]
 EXAMPLES = """\
 examples:
@@ -35,11 +44,16 @@ examples:
 
 def main(arguments: Sequence[str]) -> int:
     """Compose, plan and run; return Snakemake's exit code."""
+    for word in (word for word in arguments if word.split("=", 1)[0] in INSTEAD):
+        raise UserError(f"option {word}: {INSTEAD[word.split('=', 1)[0]]}")
     parser = _parser(listing=bool({"-h", "--help"} & set(arguments)))
     options_, overrides = parser.parse_known_intermixed_args(_with_kind(arguments))
     unknown = [word for word in overrides if word.startswith("-")]
     if unknown:
         raise UserError(f"option {unknown[0]}: unknown; see python -m pipeline --help")
+    if not options_.cfg:
+        for name in (name for name in ("resolve", "package") if getattr(options_, name)):
+            raise UserError(f"option --{name}: of what --cfg prints; give --cfg beside it")
     words = [*options_.overrides, *overrides]
     alone = [word for word in words if word.startswith("sweep.")]
     if alone and (not options_.multirun or options_.target != "all"):
