@@ -9,8 +9,9 @@ import pytest
 from hydra import compose, initialize_config_dir
 from omegaconf import OmegaConf
 
+from pipeline.config.choices import parse
 from pipeline.config.compose import CONF, compose_tree, options
-from pipeline.config.many import Compositions, Memory
+from pipeline.config.many import Compositions, Memory, Unrefused
 from pipeline.config.sections import Studies
 from pipeline.config.sources import split
 from pipeline.config.study import study_from
@@ -95,3 +96,35 @@ def test_what_a_run_alone_is_refused_for_it_is_refused_for_among_others(word: st
     with pytest.raises(UserError) as among:
         studies.of(compositions.compose([word]))
     assert str(among.value) == str(alone.value)
+
+
+def test_a_check_is_made_once_of_the_same_records_and_again_where_it_refused() -> None:
+    seen: list[tuple[object, object]] = []
+    allowed = [False]
+
+    def check(one: object, other: object) -> None:
+        seen.append((one, other))
+        if not allowed[0]:
+            raise UserError("refused")
+
+    asked = Unrefused(check)
+    one, other = [1], [2]
+    for _ in range(2):
+        with pytest.raises(UserError, match="refused"):
+            asked(one, other)
+    allowed[0] = True
+    for _ in range(3):
+        asked(one, other)
+    asked(one, [2])
+    # Equal records are not the same ones.
+    assert len(seen) == 4
+    assert seen[2][0] is one
+
+
+def test_what_a_sweeps_word_sets_is_what_hydra_reads() -> None:
+    compositions = Compositions(Memory())
+    for key, values in VALUES.items():
+        for value in values:
+            word = f"{key}={value}" if value else key
+            assert compositions.value(word) == parse([word])[0].value()
+            assert compositions.value(word) == parse([word])[0].value()

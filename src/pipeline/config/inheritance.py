@@ -107,6 +107,25 @@ Sources = dict[Place, tuple[Place, Any]]
 """Key path of a value -> the key path that its `sources` stands under, and the source."""
 
 
+class _Found(Sources):
+    """Sources as they are found, and every beginning of the key paths that ever had one."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self._beginnings: set[Place] = set()
+
+    def put(self, path: Place, entry: tuple[Place, Any]) -> None:
+        """Give a value its source."""
+        self[path] = entry
+        self._beginnings.update(path[:count] for count in range(1, len(path) + 1))
+
+    def below(self, path: Place) -> list[Place]:
+        """Return the key paths with a source that are this one or lie below it."""
+        if path not in self._beginnings:
+            return []
+        return [other for other in self if other[: len(path)] == path]
+
+
 def merge(layers: Sequence[Layer]) -> dict[str, Any]:
     """Return the tree that files come to, as Hydra merges them, with the sources that hold for its values.
 
@@ -117,7 +136,7 @@ def merge(layers: Sequence[Layer]) -> dict[str, Any]:
     layers : the files in the order in which they are merged.
     """
     tree: dict[str, Any] = {}
-    sources: Sources = {}
+    sources = _Found()
     for layer in layers:
         values, said = _divided(layer)
         for path in list(_changed(tree, values)):
@@ -125,7 +144,7 @@ def merge(layers: Sequence[Layer]) -> dict[str, Any]:
         _join(tree, values)
         for path, entry in said.items():
             _drop(sources, path, tree)
-            sources[path] = entry
+            sources.put(path, entry)
     for path, (place, source) in sources.items():
         here = tree
         for key in (*place, "sources", *path[len(place) : -1]):
@@ -181,9 +200,9 @@ def _changed(old: Mapping[str, Any], new: Mapping[str, Any], path: Place = ()) -
             yield (*path, str(key))
 
 
-def _drop(sources: Sources, path: Place, values: Mapping[str, Any]) -> None:
+def _drop(sources: _Found, path: Place, values: Mapping[str, Any]) -> None:
     """Take the source from a value, and leave it to the others that had the same one."""
-    for other in [other for other in sources if other[: len(path)] == path]:
+    for other in sources.below(path):
         del sources[other]
     for depth in range(len(path) - 1, 0, -1):
         if path[:depth] in sources:
@@ -194,7 +213,9 @@ def _drop(sources: Sources, path: Place, values: Mapping[str, Any]) -> None:
                     return
                 if place >= depth:
                     rest = [(*path[:place], str(other)) for other in here if other != key and _counts(here[other])]
-                    sources |= {other: entry for other in rest if other not in sources}
+                    for other in rest:
+                        if other not in sources:
+                            sources.put(other, entry)
                 here = here.get(key)
             return
 

@@ -7,7 +7,7 @@ is left to it.
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from copy import deepcopy
 from dataclasses import dataclass
 from typing import Any
@@ -58,6 +58,32 @@ class Memory:
         return found
 
 
+class Unrefused:
+    """A check that is not made again of the very same records, once it has refused nothing.
+
+    Arguments
+    ---------
+    check : raises what is wrong with some frozen records; nothing else that it reads may change.
+    """
+
+    def __init__(self, check: Callable[..., object]) -> None:
+        self._check = check
+        # Identities -> the records, kept alive.
+        self._passed: dict[tuple[int, ...], tuple[Any, ...]] = {}
+
+    def __call__(self, *records: Any) -> None:
+        """Check the records, unless these have passed before."""
+        key = tuple(map(id, records))
+        if key not in self._passed:
+            self._check(*records)
+            if len(self._passed) >= _MOST_PASSED:
+                self._passed.clear()
+            self._passed[key] = records
+
+
+_MOST_PASSED = 10_000
+
+
 @dataclass(frozen=True)
 class _Family:
     """What runs have in common: files, and overrides that do more than change a value.
@@ -89,6 +115,10 @@ class Compositions:
             found = compose_tree(typed)
             tree, layers = found.tree, found.layers
         return Composed(self._memory.tree(tree), typed, layers)
+
+    def value(self, word: str) -> Any:
+        """Return what an override of one value sets."""
+        return self._word(word)[0].value()
 
     def _composed(self, words: tuple[str, ...]) -> tuple[dict[str, Any], tuple[Layer, ...]]:
         around = surrounding(words, CONF)

@@ -101,7 +101,7 @@ def make_sweep(words: Sequence[str], asked: Asked, cores: int, watch: Watch = la
     studies: dict[str, _Gathered] = {}
     for run in watch(runs):
         made = planner.run(run)
-        values = {key: parse([run[place]])[0].value() for place, key in keys.items() if key != "study"}
+        values = {key: planner.value(run[place]) for place, key in keys.items() if key != "study"}
         studies.setdefault(made.study, _Gathered([])).runs.append((run, values, made))
     command = f"python -m pipeline -m {shlex.join(words)}"
     found = [_sweep(study, gathered, asked, command, planner) for study, gathered in studies.items()]
@@ -146,6 +146,10 @@ class _Planner:
         self._drafts: dict[Any, tuple[Any, Draft]] = {}
         self._keys: dict[Any, str] = {}
         self._fixed: dict[Any, dict[str, Any]] = {}
+
+    def value(self, word: str) -> Any:
+        """Return what an override sets."""
+        return self._compositions.value(word)
 
     def run(self, words: Sequence[str]) -> _Made:
         """Plan one run."""

@@ -12,6 +12,7 @@ from pipeline.charge.checks import check
 from pipeline.charge.feasible import check_range, notices, visited
 from pipeline.charge.records import ChargeSettings, EngineSettings, Mode
 from pipeline.config.compose import Composed
+from pipeline.config.many import Unrefused
 from pipeline.errors import UserError, best_matches
 from pipeline.published.ensemble import EnsembleSettings
 from pipeline.record import Record
@@ -105,6 +106,9 @@ def check_modes(study: Any) -> None:
                 _check(f"modes.{name}", battery, study.modes[name], study.charge, meant)
 
 
+_CHECK = Unrefused(check)
+
+
 def batteries(study: Any) -> dict[str, Battery]:
     """Return key path -> battery, for every battery of a study: the second one and calibrations too."""
     found = {"battery": study.battery, "second_battery": study.second_battery}
@@ -124,7 +128,7 @@ def remarks_on_modes(study: Any, second: bool) -> Iterator[str]:
 
 def _check(path: str, battery: Battery, mode: Mode, charge: ChargeSettings, meant: str) -> None:
     try:
-        check(battery, mode, charge)
+        _CHECK(battery, mode, charge)
     except (UserError, ValueError) as error:
         raise UserError(f"{path}.{error}{meant}") from None
 

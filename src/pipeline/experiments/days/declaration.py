@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Collection, Iterable, Iterator
+from functools import lru_cache
 from typing import Any
 
 from pydantic import Field
@@ -12,6 +13,7 @@ from pipeline.charge import checks
 from pipeline.charge.effort import effort, longest_s
 from pipeline.charge.records import ChargeSettings
 from pipeline.config.compose import options
+from pipeline.config.many import Unrefused
 from pipeline.day.records import Day, DayConditions
 from pipeline.errors import UserError, best_matches
 from pipeline.experiments.days.numbers import DAY_NUMBERS, WEATHER_NUMBERS
@@ -313,12 +315,21 @@ def check(study: Any) -> None:
     for mode in day.modes:
         if mode not in study.run:
             raise UserError(f"day.modes: no mode {mode!r} among those that are run; {best_matches(mode, study.run)}")
-    begins = ChargeSettings(initial_soc=day.initial_soc, ambient_c=study.charge.ambient_c)
+    begins = _begins(day.initial_soc, study.charge.ambient_c)
     for mode in day.modes or study.run:
         try:
-            checks.check(study.battery, study.modes[mode], begins)
+            _CHECK(study.battery, study.modes[mode], begins)
         except UserError as error:
             raise UserError(f"day.initial_soc: {day.initial_soc:g} does not go with modes.{mode}.{error}") from None
+
+
+_CHECK = Unrefused(checks.check)
+
+
+@lru_cache(maxsize=64)
+def _begins(initial_soc: float, ambient_c: float) -> ChargeSettings:
+    """Return the conditions under which a day begins; the same ones for the same numbers."""
+    return ChargeSettings(initial_soc=initial_soc, ambient_c=ambient_c)
 
 
 def _remarks(study: Any, kinds: Collection[str]) -> Iterator[str]:
