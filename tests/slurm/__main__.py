@@ -156,7 +156,7 @@ def _same_as_local(cluster: Cluster, folder: Path, local: Path | None) -> Projec
     differing = sorted(name for name, files in made.items() if files != expected[name])
     _must(not differing, f"other bytes than the local run: {differing}")
     plans = sum(1 for _ in (project.results / "receipts").glob("*/*.json"))
-    _line(f"study: {len(made)} artefacts as the local run's, byte for byte; {plans} receipts, {jobs} jobs; {took:.0f} s")
+    _line(f"study: {len(made)} artefacts, bytes as of the local run; {plans} receipts by {jobs} jobs; {took:.0f} s")
     _told_jobs(cluster, set(cluster.jobs()) - before)
     project.done(project.start("pipeline", "--profile", "slurm", *STUDY))
     _must(len(cluster.jobs()) - len(before) == jobs, "a second run submitted jobs although there was nothing to do")
