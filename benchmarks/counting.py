@@ -130,7 +130,7 @@ def edge_cost(case: str) -> dict[str, float]:
         setattr(math, name, _function(name))
     marks = []
     for count in (FEW, MANY):
-        run_periods(*arguments, count, Number(engine.AMBIENT_K), 1e-6, 60.0, 1_000_000)
+        run_periods(*arguments, count, Number(engine.AMBIENT_K), 1e-6, 60.0, 1_000_000, 1)
         chain = max(_ready(*run.state), _ready(*ledger.sums), _ready(*ledger.recent_gains))
         marks.append((run.edges, dict(Count.done), chain))
     (before, first, early), (after, second, late) = marks

@@ -1,5 +1,6 @@
 """A lab sheet that cannot be run says so, with the place, the value and what is allowed."""
 
+import os
 import subprocess
 import sys
 from pathlib import Path
@@ -9,9 +10,10 @@ from pydantic import ValidationError
 
 import pipeline
 from pipeline.charge.checks import check
+from pipeline.charge.drive import run_program
 from pipeline.charge.protocol import resolve
-from pipeline.charge.records import Mode
-from pipeline.charge.simulate import warm_up
+from pipeline.charge.records import EngineSettings, Mode
+from pipeline.charge.simulate import BENCH, Task, kernels_of, warm_up
 from pipeline.errors import UserError
 from pipeline.kernel.tables import to_arrow
 from tests.charge.samples import BATTERIES, MODES, battery, charge, load, settings
@@ -117,3 +119,34 @@ def test_records_and_checks_import_nothing_heavy():
 
 def test_warming_up_names_its_kernels():
     assert "run_program" in warm_up()
+
+
+def test_a_sheet_without_periods_takes_an_engine_without_periods():
+    code = (
+        "import pipeline as cp\n"
+        "from pipeline.charge.drive import run_program\n"
+        "cp.charge('lead_acid_12v7ah', 'cc_cv', initial_soc=0.9)\n"
+        "assert [str(types[-1]) for types in run_program.overloads] == ['int64']\n"
+        "cp.charge('lead_acid_12v7ah', 'cv_pulse', frequency_hz=90, initial_soc=0.95)\n"
+        "assert [str(types[-1]) for types in run_program.overloads] == ['int64', 'none']\n"
+    )
+    source = str(Path(pipeline.__file__).parents[1])
+    environment = os.environ | {"PYTHONPATH": source}
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, env=environment)
+    assert done.returncode == 0, done.stderr
+
+
+def test_what_is_still_to_be_compiled_is_known(monkeypatch):
+    endless, periods = (
+        Task(LEAD, Mode(**load(f"modes/{mode}.yaml")), BENCH, settings(0.5), EngineSettings())
+        for mode in ("three_stage_agm", "cv_reflex")
+    )
+    index: dict[tuple[tuple[str, ...], str], object] = {}
+    monkeypatch.setattr(run_program._cache._cache_file, "_load_index", lambda: index)
+    assert kernels_of([endless]) == {"endless"}
+    assert kernels_of([endless, periods]) == {"endless", "periods"}
+    assert kernels_of([endless] * 100) == {"periods"}
+    index[("cell", "int64"), "target"] = "file"
+    assert kernels_of([endless, periods]) == {"periods"}
+    index[("cell", "none"), "target"] = "file"
+    assert kernels_of([endless, periods]) == set()

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from pipeline.charge.averaged import begin_strides, next_periods
 from pipeline.charge.controller import Control, begin, next_current
-from pipeline.charge.period import EXHAUSTED, TICK, run_periods
+from pipeline.charge.period import EXHAUSTED, TICK, run_endless, run_periods
 from pipeline.charge.program import Program
 from pipeline.charge.record_keeping import VOLTAGE_LIMITED_S, Book, reset_extremes, take_sample
 from pipeline.charge.segment import EDGE, FAILED, LIMITS, NOTHING
@@ -26,19 +26,20 @@ _ENDLESS = 1 << 62
 def run_program(
     cells: NDArray[Any],
     program: Program,
-    control: Control,
+    control: Control | None,
     supply_time_s: NDArray[np.float64],
     supply_power_w: NDArray[np.float64],
     runs: NDArray[Any],
     book: Book,
     clocks: NDArray[Any],
-    stride_records: NDArray[Any],
-    own_clocks: NDArray[Any],
-    scratch: Book,
+    stride_records: NDArray[Any] | None,
+    own_clocks: NDArray[Any] | None,
+    scratch: Book | None,
     ambient_k: float,
     tolerance: float,
     maximum_step_s: float,
     maximum_steps: int,
+    endless: int | None,
 ) -> int:
     """Run a program to its end; return how it went; the clock tells when.
 
@@ -50,8 +51,10 @@ def run_program(
     runs, book, clocks : state to start from, arrays to write into, time.
     stride_records, own_clocks, scratch : what strides need: their record, and clock and book of the periods at their
         nodes.
+    endless : None; or anything where all segments are endless: then control and what strides need are None, and what
+        periods need is not compiled, which halves the time until a first charge.
     """
-    cell, run, clock, strides, own = cells[0], runs[0], clocks[0], stride_records[0], own_clocks[0]
+    cell, run, clock = cells[0], runs[0], clocks[0]
     group_start_s = 0.0
     reset_extremes(book)
     # Not literals: numba would compile what takes them twice.
@@ -69,33 +72,44 @@ def run_program(
             clock.period_s += program.length_s[course, n]
         run.proposal_s[:] = math.inf
         run.memory[:] = 0.0
-        begin_strides(strides)
+        if stride_records is not None:
+            begin_strides(stride_records[0])
         sampled = program.sampled[course]
         if not run.resumed:
             run.peak_v, run.peak_a = NO_PEAK, 0.0
-            if sampled:
-                begin(control)
+            # By itself, so that it is left out where there is none.
+            if control is not None:  # noqa: SIM102
+                if sampled:
+                    begin(control)
         run.resumed = False
         reason = ended = nothing
         while reason == NOTHING:
-            count = _ENDLESS
-            if sampled:
-                count = 1
-                # At its end nothing follows that a sample would decide.
-                if clock.time_s < min(program.stop_elapsed_s, clock.phase_end_s) - TICK:
-                    program.current_a[course, 0] = next_current(control, run.state[TEMPERATURE])
-            elif program.averaged[course]:
-                count = next_periods(
-                    cell, program, supply_time_s, run, book, clock, strides, own, scratch, course, ended, tolerance,
-                    maximum_step_s,
+            # Branches on None are left out where the argument is: they stand by themselves.
+            if endless is not None:
+                reason = run_endless(
+                    cell, program, supply_time_s, supply_power_w, run, book, clock, course, _ENDLESS, ambient_k,
+                    tolerance, maximum_step_s, maximum_steps, None,
                 )  # fmt: skip
-            of_stride = count == 0
-            ended = run_periods(
-                cell, program, supply_time_s, supply_power_w, run, scratch if of_stride else book,
-                own if of_stride else clock, course, max(count, 1), ambient_k, tolerance, maximum_step_s, maximum_steps,
-            )  # fmt: skip
-            if not of_stride:
-                reason = ended
+            if stride_records is not None:
+                count = _ENDLESS
+                if sampled:
+                    count = 1
+                    # At its end nothing follows that a sample would decide.
+                    if clock.time_s < min(program.stop_elapsed_s, clock.phase_end_s) - TICK:
+                        program.current_a[course, 0] = next_current(control, run.state[TEMPERATURE])  # type: ignore[arg-type]
+                elif program.averaged[course]:
+                    count = next_periods(
+                        cell, program, supply_time_s, run, book, clock, stride_records[0], own_clocks[0], scratch,  # type: ignore[index,arg-type]
+                        course, ended, tolerance, maximum_step_s,
+                    )  # fmt: skip
+                of_stride = count == 0
+                ended = run_periods(
+                    cell, program, supply_time_s, supply_power_w, run, scratch if of_stride else book,  # type: ignore[arg-type]
+                    own_clocks[0] if of_stride else clock, course, max(count, 1), ambient_k, tolerance, maximum_step_s,  # type: ignore[index]
+                    maximum_steps, 1,
+                )  # fmt: skip
+                if not of_stride:
+                    reason = ended
         if reason == FAILED:
             return CIRCUIT_FAILED
         if reason == EXHAUSTED:

@@ -6,7 +6,16 @@ import itertools
 import math
 from collections.abc import Iterator, Mapping, Sequence
 
-from pipeline.cell.records import Battery, Curve, SideReaction, Tabulated, curves_of, resting_voltage_v, value_of
+from pipeline.cell.records import (
+    Battery,
+    Curve,
+    Polynomial,
+    SideReaction,
+    Tabulated,
+    curves_of,
+    resting_voltage_v,
+    value_of,
+)
 from pipeline.charge.protocol import Resolver, lift_of, parameters
 from pipeline.charge.records import ChargeSettings, Mode, Phase
 from pipeline.charge.waveforms import Controller
@@ -137,7 +146,8 @@ def check_resistance(where: str, battery: Battery, low: float, high: float) -> N
     if battery.charge_transfer is not None:
         return
     ohm = battery.series_resistance_ohm
-    least, soc = min((value_of(ohm, soc), soc) for soc in _grid([ohm], low, high))
+    straight = isinstance(ohm, Polynomial) and len(ohm.polynomial) <= 2
+    least, soc = min((value_of(ohm, soc), soc) for soc in ([low, high] if straight else _grid([ohm], low, high)))
     if least <= 0.0:
         raise UserError(
             f"{where}: {battery.name} has a series_resistance_ohm of {least:g} ohm at SOC {soc:.4g} and no "

@@ -249,7 +249,7 @@ def run_lot(lot: Lot, desk: Desk, control: Control, first: int, last: int) -> No
         lot.status[row] = run_program(
             lot.cells[c : c + 1], program, control, lot.supply_time_s[t:u], lot.supply_power_w[t:u], desk.runs, book,
             desk.clocks, desk.strides, desk.own_clocks, place, conditions[AMBIENT_K], conditions[TOLERANCE],
-            conditions[MOST_STEP_S], lot.places[row, MOST_STEPS],
+            conditions[MOST_STEP_S], lot.places[row, MOST_STEPS], None,
         )  # fmt: skip
         copy(lot.state[row], run.state)
         taken = lot.samples[a[SAMPLES] : a[SAMPLES] + lot.filled[row, 0]]

@@ -88,8 +88,14 @@ def run_periods(
     tolerance: float,
     maximum_step_s: float,
     maximum_steps: int,
+    crossing: int | None,
 ) -> int:
-    """Run periods of a course; return what ended it, or `NOTHING` after so many periods, `FAILED` or `EXHAUSTED`."""
+    """Run periods of a course; return what ended it, or `NOTHING` after so many periods, `FAILED` or `EXHAUSTED`.
+
+    Arguments
+    ---------
+    crossing : anything where whole segments may be crossed in closed form; None where all are endless.
+    """
     interval_s, supply, group = clock.sample_interval_s, clock.supply, clock.group
     course_start_s, phase_end_s, period_s = clock.course_start_s, clock.phase_end_s, clock.period_s
     time_s, next_sample, periods = clock.time_s, clock.next_sample, clock.periods
@@ -140,23 +146,24 @@ def run_periods(
                 due_s = min(next_sample * interval_s, program.stop_elapsed_s, phase_end_s)
                 if supply + 1 < len(supply_time_s):
                     due_s = min(due_s, supply_time_s[supply + 1])
-                whole = remaining_s == length_s and due_s >= time_s + length_s - TICK
-                if (
-                    (plain or leaking)
-                    and whole
-                    and not meets_window(book, time_s, time_s + length_s)
-                    and (
-                        cross(cell, run, book, demand, limits, ambient_k, length_s)
-                        if plain
-                        else cross_leaking(cell, run, book, demand, limits, ambient_k, length_s, tolerance)
-                    )
-                ):
-                    run.steps += 1
-                    time_s, remaining_s = segment_start_s + length_s, 0.0
-                    if run.steps > maximum_steps:
-                        clock.time_s = time_s
-                        return EXHAUSTED
-                    continue
+                if crossing is not None:
+                    whole = remaining_s == length_s and due_s >= time_s + length_s - TICK
+                    if (
+                        (plain or leaking)
+                        and whole
+                        and not meets_window(book, time_s, time_s + length_s)
+                        and (
+                            cross(cell, run, book, demand, limits, ambient_k, length_s)
+                            if plain
+                            else cross_leaking(cell, run, book, demand, limits, ambient_k, length_s, tolerance)
+                        )
+                    ):
+                        run.steps += 1
+                        time_s, remaining_s = segment_start_s + length_s, 0.0
+                        if run.steps > maximum_steps:
+                            clock.time_s = time_s
+                            return EXHAUSTED
+                        continue
                 if fresh:
                     if not choose_control(cell, run, demand):
                         clock.time_s = time_s
@@ -218,6 +225,10 @@ def run_periods(
         periods += 1
     clock.time_s, clock.next_sample, clock.periods, clock.supply = time_s, next_sample, periods, supply
     return int(reason)
+
+
+# Called once a course: compiled into its caller it would be compiled twice.
+run_endless = kernel(run_periods.py_func)  # type: ignore[attr-defined]
 
 
 @kernel

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import math
 import os
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from typing import Any
 
 import numpy as np
 
@@ -27,6 +28,7 @@ from pipeline.charge.settling import settled_of
 from pipeline.charge.state import DEPTH, HYSTERESIS, TEMPERATURE, Run, new_run
 from pipeline.charge.stride import new_stride
 from pipeline.charge.task import BENCH, Charge, Supply, Task
+from pipeline.charge.waveforms import Sampled
 from pipeline.errors import UserError
 from pipeline.jit import by_reference
 
@@ -161,23 +163,40 @@ def launch(
     engine: EngineSettings,
 ) -> int:
     """Run a compiled program from a state; return how it went."""
+    endless = bool(np.isinf(program.length_s[:, 0]).all())
     return drive.run_program(
         by_reference(cell),
         program,
-        control,
+        None if endless else control,
         np.ascontiguousarray(supply.time_s, dtype=np.float64),
         np.ascontiguousarray(supply.power_w, dtype=np.float64),
         by_reference(state),
         book,
         by_reference(clock),
-        by_reference(new_stride()),
-        by_reference(new_clock(math.inf)),
-        _scratch(),
+        None if endless else by_reference(new_stride()),
+        None if endless else by_reference(new_clock(math.inf)),
+        None if endless else _scratch(),
         ambient_k,
         float(engine.tolerance),
         float(engine.maximum_step_s),
         int(engine.maximum_steps),
+        1 if endless else None,
     )
+
+
+def kernels_of(tasks: Sequence[Task]) -> set[str]:
+    """Return what of the engine some charges need and nobody has compiled yet: `endless`, `periods`, or both.
+
+    A sheet whose segments all last until something ends them needs no periods, which take more than half the time.
+    """
+    needed = {"endless" if _is_endless(task.mode) and len(tasks) < FEW else "periods" for task in tasks}
+    kept: Mapping[Any, Any] = drive.run_program._cache._cache_file._load_index()  # type: ignore[attr-defined]
+    return needed - {"periods" if str(key[0][-1]) == "none" else "endless" for key in kept}
+
+
+def _is_endless(mode: Mode) -> bool:
+    waveforms = [phase.waveform for phase in mode.phases.values()]
+    return not any(waveform.periodic or isinstance(waveform, Sampled) for waveform in waveforms)
 
 
 def _scratch() -> Book:
@@ -196,19 +215,19 @@ _WARM_UP_BATTERY = Battery(
     side_reaction=SideReaction(current_a=1e-6, reference_voltage_v=2.0, voltage_scale_v=0.1),
     thermal=Thermal(heat_capacity_j_k=100.0, resistance_k_w=1.0),
 )
-_WARM_UP_MODE = Mode.model_validate(
-    {
-        "title": "Warm-up",
-        "phases": {"charge": {"constant_current": {"current_a": 1.0}}},
-        "stop": {"elapsed_s": 0.1},
-    }
-)
+_WARM_UP_MODES = [
+    Mode.model_validate({"title": "Warm-up", "phases": {"charge": waveform}, "stop": {"elapsed_s": 0.1}})
+    for waveform in (
+        {"constant_current": {"current_a": 1.0}},
+        {"pulse": {"charge_a": 1.0, "charge_share": 0.5, "frequency_hz": 50.0}},
+    )
+]
 
 
 def warm_up() -> list[str]:
     """Compile every kernel by a fraction of a second of a charge; return their names."""
     settings = ChargeSettings(initial_soc=0.5, ambient_c=25.0)
-    task = Task(_WARM_UP_BATTERY, _WARM_UP_MODE, BENCH, settings, EngineSettings())
-    for charge in (simulate(*task), *simulate_many([task] * FEW)):
+    tasks = [Task(_WARM_UP_BATTERY, mode, BENCH, settings, EngineSettings()) for mode in _WARM_UP_MODES]
+    for charge in (*(simulate(*task) for task in tasks), *simulate_many(tasks[:1] * FEW)):
         assert charge.energy
     return [kernel.__name__ for kernel in (drive.run_program, run_lot, run_periods, enthalpy, value_and_slope)]

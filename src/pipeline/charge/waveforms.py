@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
+from functools import cache
 from typing import Annotated, ClassVar, NamedTuple, Self
 
 from pydantic import Field, model_validator
@@ -22,6 +23,7 @@ SCALED = {"_c_rate": ("_a", PER_CAPACITY), "_v_cell": ("_v", PER_CELL), "_w_cell
 """Ending of a quantity that goes with any battery -> that of the battery's own, and what it is multiplied by."""
 
 
+@cache
 def of_battery(name: str) -> tuple[str, str | None]:
     """Return what a quantity is called for a whole battery, and what it is multiplied by to be that; none if it is."""
     for ending, (own, per) in SCALED.items():
@@ -30,9 +32,10 @@ def of_battery(name: str) -> tuple[str, str | None]:
     return name, None
 
 
-def spellings(name: str) -> list[str]:
+@cache
+def spellings(name: str) -> tuple[str, ...]:
     """Return the names under which a quantity of a battery may be given, its own first."""
-    return [name, *(name.removesuffix(own) + ending for ending, (own, _) in SCALED.items() if name.endswith(own))]
+    return (name, *(name.removesuffix(own) + ending for ending, (own, _) in SCALED.items() if name.endswith(own)))
 
 
 class Segment(NamedTuple):

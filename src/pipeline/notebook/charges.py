@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 import sys
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from functools import cache
 from itertools import product
 from typing import TYPE_CHECKING, Any
 
@@ -70,7 +69,7 @@ def charge(
     0.99
     """
     one = task(battery, mode, _source(supply_power_w, panel), choices)
-    simulate, _ = _engine()
+    simulate, _ = _engine([one])
     return NotebookCharge(one, simulate(*one))
 
 
@@ -126,7 +125,7 @@ def side_by_side(
         raise _unknown(unused[0], set().union(*(_known(_knobs(mode, battery)) for mode in modes)))
     source = _source(supply_power_w, panel)
     tasks = [task(battery, mode, source, one) for mode, one in zip(modes, own, strict=True)]
-    _, simulate_many = _engine()
+    _, simulate_many = _engine(tasks)
     return [NotebookCharge(*both) for both in zip(tasks, simulate_many(tasks), strict=True)]
 
 
@@ -172,7 +171,7 @@ def sweep(
         source = _source(one.pop("supply_power_w"), one.pop("panel"))
         tasks.append(task(one.pop("battery"), one.pop("mode"), source, one))
         rows.append({name: _name(value) for name, value in row.items()})
-    _, simulate_many = _engine()
+    _, simulate_many = _engine(tasks)
     return _table(rows, [Summary(done.summary) for done in simulate_many(tasks)])
 
 
@@ -290,13 +289,18 @@ def _table(rows: Sequence[Mapping[str, Any]], summaries: Sequence[Summary]) -> p
     return table
 
 
-@cache
-def _engine() -> tuple[Callable[..., Any], Callable[..., Any]]:
-    """Return the functions that charge; say so where their kernels have to be compiled first."""
-    folder = cache_folder("pipeline.charge.drive")
-    if not any(folder.glob("drive.run_program*.nbi")):
-        say = f"compiling the charge engine: once, about a minute; kept in {folder.parent}"
-        print(say, file=sys.stderr, flush=True)  # noqa: T201
-    from pipeline.charge.simulate import simulate, simulate_many
+def _engine(tasks: Sequence[Task]) -> tuple[Callable[..., Any], Callable[..., Any]]:
+    """Return the functions that charge; say so where what these charges need has to be compiled first."""
+    from pipeline.charge.simulate import kernels_of, simulate, simulate_many
 
+    missing = kernels_of(tasks) - _SAID
+    if missing:
+        _SAID.update(missing)
+        long = "about a minute" if len(missing) > 1 or "periods" in missing else "about half a minute"
+        folder = cache_folder("pipeline.charge.drive").parent
+        print(f"compiling the charge engine: once, {long}; kept in {folder}", file=sys.stderr, flush=True)  # noqa: T201
     return simulate, simulate_many
+
+
+_SAID: set[str] = set()
+"""What of the engine was said to be compiled."""
