@@ -112,7 +112,7 @@ def test_where_the_curves_of_a_later_comparison_coincide_the_lines_are_their_dif
     alike = ReportData(whole.inputs.renamed(names), whole.modes, whole.comparisons, whole.settings)
     above, below = drawn(card_of("over_time")(quantity=quantity), alike).get_axes()
     assert "Less" not in above.get_ylabel()
-    assert below.get_ylabel() == f"Less that of CC-CV\n[{unit}]"
+    assert below.get_ylabel() == f"Difference from\nCC-CV [{unit}]"
     assert len(lines_of(below)) == 2
     for line in lines_of(below):
         np.testing.assert_allclose(line.get_ydata(), 0.0, atol=1e-12)

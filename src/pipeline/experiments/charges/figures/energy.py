@@ -71,7 +71,7 @@ def draw(figure: FigureCard, data: ReportData) -> Figure:
         whole.margins(x=0.13)
         less.margins(x=0.25)
     fields[-1, 0].set_xlabel("Energy turned into heat over the charge [Wh]")
-    fields[-1, 1].set_xlabel(f"Less that of {_first_title(data, comparisons)} [Wh]")
+    fields[-1, 1].set_xlabel(f"Difference from\n{_first_title(data, comparisons)} [Wh]")
     _legend(drawing, fields[:, 0], parts)
     return drawing
 

@@ -193,8 +193,8 @@ def _differences(
             moments[-1:], less[-1:], color=marks[mode].colour, marker=marks[mode].marker, linestyle="",
             markersize=5.5 + 2.0 * min(3, later),
         )  # fmt: skip
-    axes.set_title(f"{data.comparisons[comparison]}: the curves coincide; drawn is what they differ by")
-    axes.set_ylabel(f"Less that of {data.modes[first].title}\n[{_DIFFERENCES[name]}]")
+    axes.set_title(f"{data.comparisons[comparison]}: the curves coincide, so their differences are drawn")
+    axes.set_ylabel(f"Difference from\n{data.modes[first].title} [{_DIFFERENCES[name]}]")
 
 
 def line(
