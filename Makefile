@@ -8,7 +8,7 @@ CORES ?= 2
 
 .PHONY: check-python all test test-slow test-struck test-browser browser-setup lint bench bench-slow faults faults-short fuzz \
 	fuzz-short validate accuracy reproduce reproduce-generic expected own-battery-proof setup setup-dev setup-docs \
-	setup-slurm slurm-test docs lock clean help
+	setup-slurm setup-s3 slurm-test bucket-test docs lock clean help
 
 all: setup ## run every study: results/ and reports/
 	$(BIN)/snakemake --cores $(CORES) all
@@ -61,6 +61,9 @@ faults-short: setup-dev ## the same in about five minutes, for every change
 slurm-test: setup-slurm ## a Slurm of one node on loopback, as root with Debian's slurm-wlm and munge: jobs, faults, equal bytes
 	PYTHONPATH=src:. .venv-slurm/bin/python -m tests.slurm
 
+bucket-test: setup-s3 ## results in a bucket of moto's server on loopback: killed, gone on with elsewhere, equal bytes
+	PYTHONPATH=src:. .venv-s3/bin/python -m tests.slurm.bucket
+
 own-battery-proof: setup-dev ## fits of made measurements, 100 draws a battery: do 95 % intervals hold the truth? half an hour
 	$(BIN)/python -m tests.experiments.own_battery.proof --draws 100
 
@@ -110,6 +113,16 @@ setup-slurm: .venv-slurm/.made ## .venv-slurm: the runtime packages and what sub
 	.venv-slurm/bin/python -m pip install --quiet --disable-pip-version-check --require-hashes -r requirements.lock
 	.venv-slurm/bin/python -m pip install --quiet --disable-pip-version-check --no-deps --require-hashes -r requirements-slurm.lock
 	.venv-slurm/bin/python -m pip install --quiet --disable-pip-version-check --no-deps --no-build-isolation --editable .
+	touch $@
+
+# Without resolving: botocore asks for an older python-dateutil than matplotlib, and works with that of requirements.lock.
+setup-s3: .venv-s3/.made ## .venv-s3: the runtime packages, what reaches buckets, and a server of them for tests
+
+.venv-s3/.made: requirements.lock requirements-s3.lock pyproject.toml
+	test -x .venv-s3/bin/python || $(PYTHON) -m venv .venv-s3
+	.venv-s3/bin/python -m pip install --quiet --disable-pip-version-check --no-deps --require-hashes \
+		-r requirements.lock -r requirements-s3.lock
+	.venv-s3/bin/python -m pip install --quiet --disable-pip-version-check --no-deps --no-build-isolation --editable .
 	touch $@
 
 lock: ## renew the lock files (needs uv)

@@ -29,7 +29,7 @@ onsuccess:
 
 rule all:
     input:
-        flow.target("all"),
+        [kept_here(path) for path in flow.target("all")],
 
 
 include: "workflow/steps.smk"

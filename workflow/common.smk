@@ -19,12 +19,39 @@ def takes(what):
     )
 
 
+# Where results lie in a bucket (--default-storage-provider), each job makes an archive beside its receipt and takes those
+# of others. Readable views, logs and benchmarks are of the machine that makes them.
+carried = workflow.storage_settings.default_storage_provider is not None
+
+
+def kept_here(path):
+    return local(path) if carried else path
+
+
+def of_machine(step, path):
+    return kept_here(path) if step == "publish" else path
+
+
 # The command of a step's jobs; a forced job computes what is there already and compares.
 def command(step, rule_name):
-    return lambda wildcards: flow.command(
-        step, wildcards.chunk, forced(rule_name, workflow.dag_settings)
+    def of(wildcards, take=(), give=()):
+        again = forced(rule_name, workflow.dag_settings)
+        return flow.command(step, wildcards.chunk, again, take, give)
+
+    if not carried:
+        return lambda wildcards: of(wildcards)
+    return lambda wildcards, input, output: of(
+        wildcards,
+        [str(path) for path in input],
+        [str(path) for path in output] if step != "publish" else (),
     )
 
 
 wildcard_constraints:
     chunk=r"[^/]+",
+
+
+if carried:
+
+    localrules:
+        publish_run,

@@ -5,19 +5,20 @@ for step, declared in flow.steps().items():
         name:
             declared["rule"]
         input:
-            lambda wildcards: flow.needs(wildcards.chunk),
+            lambda wildcards: flow.needs(wildcards.chunk, carried),
         output:
             report(
-                flow.receipt(step),
+                of_machine(step, flow.receipt(step)),
                 caption="report/step.rst",
                 category="Steps",
                 subcategory=declared["rule"].replace("_", " "),
                 labels={"job": "{chunk}"},
             ),
+            *flow.archives(step, carried),
         log:
-            flow.log(step),
+            kept_here(flow.log(step)),
         benchmark:
-            flow.benchmark(step)
+            kept_here(flow.benchmark(step))
         priority: declared["priority"]
         threads: lambda wildcards: flow.takes(wildcards.chunk, "threads")
         resources:

@@ -5,7 +5,7 @@ for name in [*flow.targets(), *flow.studies(), *flow.requests()]:
         name:
             name
         input:
-            flow.target(name),
+            [kept_here(path) for path in flow.target(name)],
 
 
 for path, chunk in flow.files().items():

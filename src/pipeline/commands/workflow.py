@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import Any, Literal
 
 from pipeline.errors import UserError
-from pipeline.kernel import lock, planfile, publish, receipts, store
+from pipeline.kernel import archive, lock, planfile, publish, receipts, store
 from pipeline.kernel.last_resort import in_utf8, last_resort, refuse_other_bytes
 from pipeline.kernel.publish import view_folder
 
@@ -142,9 +142,25 @@ class Workflow:
         for line in tell(self.plan, self.asked, self.results):
             print(line)
 
-    def needs(self, chunk: str) -> list[str]:
-        """Return the receipts that must be there before a chunk runs."""
-        return [self._receipt(name) for name in self.plan["chunks"][chunk.removesuffix(STALE)]["needs"]]
+    def needs(self, chunk: str, carried: bool = False) -> list[str]:
+        """Return the receipts that must be there before a chunk runs.
+
+        Arguments
+        ---------
+        carried : what jobs make is carried from machine to machine: their archives too.
+        """
+        chunks = self.plan["chunks"]
+        names = chunks[chunk.removesuffix(STALE)]["needs"]
+        archives = [one.format(chunk=name) for name in names for one in self.archives(chunks[name]["step"], carried)]
+        return [*(self._receipt(name) for name in names), *archives]
+
+    def archives(self, step: str, carried: bool) -> list[str]:
+        """Return the archive that a step's chunks make, with the wildcard `chunk`; none where nothing is carried."""
+        return (
+            [str(self.results / "archives" / step / f"{{chunk}}{archive.SUFFIX}")]
+            if carried and step != "publish"
+            else []
+        )
 
     def placed(self, path: str, chunk: str) -> list[str]:
         """Return a file that is asked for by its path; one that would be placed anew, with what is missing of it."""
@@ -191,16 +207,20 @@ class Workflow:
         """Return the `--config` of the processes that Snakemake starts for jobs elsewhere: the plan."""
         return [f"plan={self.file}", "tell=false"]
 
-    def command(self, step: str, chunk: str, again: bool = False) -> str:
+    def command(
+        self, step: str, chunk: str, again: bool = False, take: Sequence[str] = (), give: Sequence[str] = ()
+    ) -> str:
         """Return the shell command of a job.
 
         Arguments
         ---------
         again : compute what is there already, and compare.
+        take, give : files that were carried here, and those to be carried on.
         """
         chunk = chunk.removesuffix(STALE)
         words = [sys.executable, "-m", "pipeline.kernel.run", "--plan", str(self.file), "--step", step]
-        line = shlex.join([*words, "--chunk", chunk, *(["--again"] if again else [])])
+        words += ["--chunk", chunk, *(["--again"] if again else [])]
+        line = shlex.join([*words, *(["--take", *take] if take else []), *(["--give", *give] if give else [])])
         log = shlex.quote(self.log(step).format(chunk=chunk))
         return f"OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1 {line} > {log} 2>&1"
 

@@ -13,7 +13,7 @@ from pathlib import Path
 from types import ModuleType
 from typing import Any, NamedTuple
 
-from pipeline.kernel import lock, nearby, planfile, publish, receipts, store
+from pipeline.kernel import archive, lock, nearby, planfile, publish, receipts, store
 from pipeline.kernel.artefacts import Inputs, Output
 from pipeline.kernel.errors import EngineError, UserError
 from pipeline.kernel.last_resort import last_resort
@@ -39,6 +39,8 @@ def main(arguments: Sequence[str]) -> int:
     parser.add_argument("--chunk", required=True, help="name of the chunk in the plan")
     parser.add_argument("--results", type=Path, default=store.RESULTS, help="folder of the store (%(default)s)")
     parser.add_argument("--again", action="store_true", help="compute what is there already, and compare")
+    parser.add_argument("--take", nargs="*", type=Path, default=[], help="receipts and archives of what it needs")
+    parser.add_argument("--give", nargs="*", type=Path, default=[], help="where its receipt goes too, and its archive")
     options = parser.parse_args(arguments)
     try:
         with lock.at_work(options.results):
@@ -62,10 +64,19 @@ def _run(options: argparse.Namespace) -> None:
     chunk = plan["chunks"].get(options.chunk)
     if chunk is None or chunk["step"] != options.step:
         raise UserError(f"plan {options.plan} has no {options.step} chunk {options.chunk!r}")
+    for path in options.take:
+        if path.suffix == archive.SUFFIX:
+            archive.unpack(options.results, path)
     if options.step == "publish":
         publish.publish(plan, options.chunk, options.results)
     else:
         run_chunk(plan, options.chunk, options.results, options.again)
+    for path in options.give:
+        if path.suffix == archive.SUFFIX:
+            archive.pack(options.results, options.step, chunk["nodes"], path)
+        else:
+            receipt = receipts.path_of(options.results, options.step, options.chunk)
+            store.write_text(path, receipt.read_text(encoding="utf-8"))
 
 
 def run_chunk(plan: Mapping[str, Any], name: str, results: Path, again: bool) -> None:
