@@ -8,7 +8,8 @@ from pathlib import Path
 
 import pytest
 
-from pipeline.kernel import archive, store
+from pipeline.kernel import archive, planfile, receipts, run, store
+from tests.faults import instant
 
 KEYS = ("a" * 64, "b" * 64)
 
@@ -84,3 +85,24 @@ def test_a_damaged_artefact_is_not_packed(tmp_path: Path) -> None:
     with pytest.raises(store.StoreError, match="changed since it was sealed"):
         archive.pack(tmp_path / "there", "step", KEYS, tmp_path / "two.tar")
     assert not (tmp_path / "two.tar").exists()
+
+
+def test_a_job_takes_and_gives_what_is_carried(tmp_path: Path) -> None:
+    """The second step runs where nothing is but what the first one gave."""
+    file = planfile.save(instant.plan(), tmp_path / "results")
+    there, here = tmp_path / "there" / "results", tmp_path / "here" / "results"
+    carried = [tmp_path / "carried" / "first.json", tmp_path / "carried" / "first.tar"]
+
+    def job(results: Path, step: str, *words: str) -> int:
+        plan = ["--plan", str(file), "--step", step, "--chunk", f"{step}-50", "--results", str(results)]
+        return run.main([*plan, *words])
+
+    assert job(here, "second") == 1
+    assert job(there, "first", "--give", *map(str, carried)) == 0
+    assert carried[0].read_text() == receipts.path_of(there, "first", "first-50").read_text()
+    assert job(here, "second", "--take", *map(str, carried)) == 0
+    assert job(there, "second") == 0
+    for step in ("first", "second"):
+        (made,) = (here / "store" / step).iterdir()
+        assert store.damage(made) is None
+        assert store.contents(made) == store.contents(store.artefact(there, step, made.name))

@@ -61,7 +61,10 @@ def _names(client: Any) -> dict[str, str]:
 
 
 def _archives(client: Any) -> dict[str, str]:
-    return {name: tag for name, tag in _names(client).items() if name.endswith(".tar")}
+    """Return the archives whose receipts are there too: what a job made whole."""
+    names = _names(client)
+    receipt = {name: str(Path(name.replace("archives", "receipts")).with_suffix(".json")) for name in names}
+    return {name: tag for name, tag in names.items() if name.endswith(".tar") and receipt[name] in names}
 
 
 def _project(folder: Path) -> Project:
