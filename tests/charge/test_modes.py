@@ -11,6 +11,7 @@ from pydantic import ValidationError
 import pipeline
 from pipeline.charge.checks import check
 from pipeline.charge.drive import run_program
+from pipeline.charge.period import run_endless
 from pipeline.charge.protocol import resolve
 from pipeline.charge.records import EngineSettings, Mode
 from pipeline.charge.simulate import BENCH, Task, kernels_of, warm_up
@@ -126,9 +127,9 @@ def test_a_sheet_without_periods_takes_an_engine_without_periods():
         "import pipeline as cp\n"
         "from pipeline.charge.drive import run_program\n"
         "cp.charge('lead_acid_12v7ah', 'cc_cv', initial_soc=0.9)\n"
-        "assert [str(types[-1]) for types in run_program.overloads] == ['int64']\n"
+        "assert not run_program.overloads\n"
         "cp.charge('lead_acid_12v7ah', 'cv_pulse', frequency_hz=90, initial_soc=0.95)\n"
-        "assert [str(types[-1]) for types in run_program.overloads] == ['int64', 'none']\n"
+        "assert [str(types[-1]) for types in run_program.overloads] == ['none']\n"
     )
     source = str(Path(pipeline.__file__).parents[1])
     environment = os.environ | {"PYTHONPATH": source}
@@ -141,12 +142,13 @@ def test_what_is_still_to_be_compiled_is_known(monkeypatch):
         Task(LEAD, Mode(**load(f"modes/{mode}.yaml")), BENCH, settings(0.5), EngineSettings())
         for mode in ("three_stage_agm", "cv_reflex")
     )
-    index: dict[tuple[tuple[str, ...], str], object] = {}
-    monkeypatch.setattr(run_program._cache._cache_file, "_load_index", lambda: index)
+    kept: dict[str, dict[str, str]] = {"endless": {}, "periods": {}}
+    for kernel, kind in ((run_endless, "endless"), (run_program, "periods")):
+        monkeypatch.setattr(kernel._cache._cache_file, "_load_index", lambda kind=kind: kept[kind])
     assert kernels_of([endless]) == {"endless"}
     assert kernels_of([endless, periods]) == {"endless", "periods"}
     assert kernels_of([endless] * 100) == {"periods"}
-    index[("cell", "int64"), "target"] = "file"
+    kept["endless"]["types"] = "file"
     assert kernels_of([endless, periods]) == {"periods"}
-    index[("cell", "none"), "target"] = "file"
+    kept["periods"]["types"] = "file"
     assert kernels_of([endless, periods]) == set()

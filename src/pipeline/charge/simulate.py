@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import os
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from typing import Any
 
 import numpy as np
@@ -18,7 +18,7 @@ from pipeline.charge.checks import check
 from pipeline.charge.controller import Control, compile_control
 from pipeline.charge.lot import run_lot
 from pipeline.charge.outcome import Outcome
-from pipeline.charge.period import Clock, new_clock, run_periods
+from pipeline.charge.period import Clock, new_clock, run_endless, run_periods
 from pipeline.charge.population import FEW, Refused, charge_many
 from pipeline.charge.program import Program, compile_program
 from pipeline.charge.protocol import resolve
@@ -164,7 +164,11 @@ def launch(
 ) -> int:
     """Run a compiled program from a state; return how it went."""
     endless = bool(np.isinf(program.length_s[:, 0]).all())
-    return drive.run_program(
+    # What goes from course to course is interpreted where there are few: compiled, the kernel of a course would be
+    # compiled again inside it.
+    few = endless and len(program.segments) <= _FEW_COURSES
+    run_program = drive.run_program.py_func if few else drive.run_program  # type: ignore[attr-defined]
+    status: int = run_program(
         by_reference(cell),
         program,
         None if endless else control,
@@ -182,6 +186,10 @@ def launch(
         int(engine.maximum_steps),
         1 if endless else None,
     )
+    return status
+
+
+_FEW_COURSES = 100
 
 
 def kernels_of(tasks: Sequence[Task]) -> set[str]:
@@ -190,8 +198,8 @@ def kernels_of(tasks: Sequence[Task]) -> set[str]:
     A sheet whose segments all last until something ends them needs no periods, which take more than half the time.
     """
     needed = {"endless" if _is_endless(task.mode) and len(tasks) < FEW else "periods" for task in tasks}
-    kept: Mapping[Any, Any] = drive.run_program._cache._cache_file._load_index()  # type: ignore[attr-defined]
-    return needed - {"periods" if str(key[0][-1]) == "none" else "endless" for key in kept}
+    kernels: dict[str, Any] = {"endless": run_endless, "periods": drive.run_program}
+    return {kind for kind in needed if not kernels[kind]._cache._cache_file._load_index()}
 
 
 def _is_endless(mode: Mode) -> bool:
