@@ -74,9 +74,10 @@ def test_the_version_of_python_is_part_of_every_key(monkeypatch: pytest.MonkeyPa
 
 
 def test_a_title_charges_nothing_again() -> None:
+    """It stands in what is drawn and told: in the figures, on the page, in the sentences of the verdicts."""
     before, after = _keys(_same), _keys(_retitle)
     changed = {name.split("/")[0] for name in before if before[name] != after[name]}
-    assert changed == {"figure", "page"}
+    assert changed == {"figure", "page", "verdicts"}
 
 
 def test_a_value_calibrated_in_the_reference_mode_reaches_the_modes_compared_with_it() -> None:
