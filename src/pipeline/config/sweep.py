@@ -22,6 +22,7 @@ from pipeline.errors import UserError, best_matches
 from pipeline.kernel import digest, plan, registry, sweeps
 from pipeline.kernel.draft import drafted, paths, plain, reached
 from pipeline.kernel.experiment import Draft, Experiment, Node, Swept
+from pipeline.published.ensemble import EnsembleSettings
 
 Watch = Callable[[Iterable[Any]], Iterable[Any]]
 _MOST_REMARKS = 8
@@ -157,7 +158,9 @@ class _Planner:
         study = self._studies.of(composed)
         alone = {name for name, asks in self._alone.items() if asks(study)}
         makers = [make for name, make in self._makers.items() if name in alone or not alone]
-        by_name = {node.name: node for make in makers for node in make(study)}
+        # No shares over ranges are made of a run of a sweep.
+        bare = study.model_copy(update={"ensemble": _NO_SHARES})
+        by_name = {node.name: node for make in makers for node in make(bare)}
         kept = list(self._kept([node for node in by_name.values() if node.step.swept], composed))
         if not kept:
             raise UserError(f"study {study.study.name}: nothing of it is swept; run it by itself, without -m")
@@ -217,6 +220,9 @@ class _Planner:
         if identity not in self._drafts:
             self._drafts[identity] = reads, drafted(node, study)
         return self._drafts[identity][1]
+
+
+_NO_SHARES = EnsembleSettings(points=0)
 
 
 def _listed(function: Callable[[Any], Iterable[Any]]) -> Callable[[Any], tuple[Any, ...]]:

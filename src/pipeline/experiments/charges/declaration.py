@@ -119,6 +119,8 @@ def nodes(study: Any) -> Iterator[Node]:
 
 def _ensemble(study: Any) -> Iterator[Node]:
     """Yield the charges over the ranges of the estimated parameters: those that statements read, where they vary."""
+    if not study.ensemble.points:
+        return
     read = {value["artefact"] for one in asked(study, ("charge",)) for value in _values(one)}
     charges = [
         (comparison, mode)
@@ -129,7 +131,7 @@ def _ensemble(study: Any) -> Iterator[Node]:
     references = {study.comparisons[comparison].reference for comparison, _ in charges} - {None}
     modes = sorted({mode for _, mode in charges} | references)
     estimated = estimates(study.sources, ("battery", "charge", *(f"modes.{mode}" for mode in modes)))
-    if study.ensemble.points and charges and estimated["ranges"]:
+    if charges and estimated["ranges"]:
         which = {"estimated": estimated, "charges": charges, "modes": modes}
         shown = {"ensemble.parquet": "published/ensemble_of_charges.parquet"}
         yield Node(SAMPLED, f"{NAME}/charge", study.study.name, which, _inputs(study), shown)

@@ -212,11 +212,13 @@ def nodes(study: Any) -> Iterator[Node]:
 
 def _over_estimates(study: Any, pulsed: Iterable[str]) -> Iterator[Node]:
     """Yield the objective over the ranges of the estimated parameters, for the modes that statements name."""
+    if not study.ensemble.points:
+        return
     read = asked(study, ("objective",))
     named = {one["quantity"] for one in read if "quantity" in one}
     modes = [mode for mode in pulsed if mode == study.objective.mode or any(f"_{mode}_" in name for name in named)]
     estimated = estimates(study.sources, ("battery", "objective", *(f"modes.{mode}" for mode in modes)))
-    if study.ensemble.points and read and estimated["ranges"]:
+    if read and estimated["ranges"]:
         which = {"modes": modes, "estimated": estimated}
         shown = {"ensemble.parquet": "published/ensemble_of_objective.parquet"}
         yield Node(OBJECTIVE_ENSEMBLE, f"{NAME}/objective", "objective", which, shown=shown)
