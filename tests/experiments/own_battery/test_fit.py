@@ -19,6 +19,7 @@ from pipeline.experiments.own_battery.fitting import Part, Problem, Spread, mean
 from pipeline.experiments.own_battery.numbers import baked, with_values
 from pipeline.experiments.own_battery.outcome import Record
 from pipeline.experiments.own_battery.own_fit import fitted
+from pipeline.experiments.own_battery.plausible import doubtful_voltage
 from pipeline.experiments.own_battery.reading import Series
 from pipeline.experiments.own_battery.records import Fit, HeldOut
 from pipeline.experiments.own_battery.replay import replays
@@ -357,3 +358,23 @@ def _hottest_c(battery: Battery, one: Record) -> float:
     cells[:] = compile_cell(battery)
     found = replays(cells, np.array([one.soc]), np.array([one.thinned.start_k]), one.thinned.drive)
     return float(np.max(found.temperature_k)) - ZERO_CELSIUS_K
+
+
+def test_a_charging_voltage_of_another_kind_of_cell_is_remarked() -> None:
+    chosen = Fit(charge_voltage_v_cell=3.45)
+    assert doubtful_voltage(LFP, chosen) is None
+    for name, usual in (("nmc_5ah", "4.2"), ("lead_acid_12v7ah", "2.4"), ("nicd_2s_600mah", "1.5")):
+        told = doubtful_voltage(card(name), chosen)
+        assert told is not None
+        assert f"own_battery.charge_voltage_v_cell={usual}" in told
+        suggested = float(told.rsplit("=", 1)[1].split(",")[0])
+        assert doubtful_voltage(card(name), Fit(charge_voltage_v_cell=suggested)) is None
+
+
+def test_what_limits_a_prediction_is_found_from_what_was_held_out() -> None:
+    series = made(LFP, 0.8, pulsed(8.0, 2, 300), np.random.default_rng(1))
+    one = record(series, LFP, 0.8, np.ones(len(series.time_s), dtype=bool))
+    found = {freed: error for _, freed, error in own_fit._limits(LFP, [one], [0.55], 3.0)}
+    # The card is right and the charge at the start is not: that alone takes the error away.
+    assert found["the charge at its start"] < 1.3e-3
+    assert found["the resistances"] > 3.0 * found["the charge at its start"]

@@ -220,10 +220,7 @@ def _stamped(kind: str) -> tuple[str, list[str]]:
         "Date": ("Date", [one.isoformat(sep=" ") for one in at]),
         "Date,Time": ("Date,Time", [one.strftime("%Y-%m-%d,%H:%M:%S") for one in at]),
         "hours past a day": ("Test Time", [f"{s // 3600}:{s % 3600 // 60:02d}:{s % 60:02d}" for s in seconds]),
-        "days": (
-            "TestTime",
-            [f"{s // 86400}d {s // 3600 % 24:02d}:{s // 60 % 60:02d}:{s % 60:02d}.0" for s in seconds],
-        ),
+        "days": ("TestTime", [f"{s // 86400}d {s // 3600 % 24:02d}:{s // 60 % 60:02d}:{s % 60:02d}" for s in seconds]),
         "time/s": ("time/s", [f"{one:g}" for one in _series().time_s]),
         "t [min]": ("t [min]", [f"{one / 60.0:.9f}" for one in _series().time_s]),
     }[kind]  # fmt: skip
@@ -315,7 +312,7 @@ def test_no_file_is_asked_for() -> None:
 def test_a_plan_says_what_was_done_to_the_file() -> None:
     run = run_of(["study=own_battery", f"measured.file={small_file()}"])
     assert [node.name for node in run.nodes][:3] == ["own_reading", "own_fit", "own_charges"]
-    assert any("positive_charging, judged" in line for line in run.remarks)
+    assert any("positive_charging, judged" in line for line in run.warnings)
 
 
 @pytest.mark.skipif(not SHARED.is_dir(), reason="../shared/data is not there")

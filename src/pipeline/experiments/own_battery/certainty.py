@@ -133,13 +133,17 @@ def settle(problem: Problem, vector: Array, robust: float) -> tuple[Problem, Res
     The problem of what is left, its fit without priors, and the key paths of what keeps its prior.
     """
     left: list[str] = []
+    result = Result(problem.model, vector, math.inf, problem.evaluations, False)
     for _ in range(len(vector) + 1):
         drawn = Problem(problem.model, problem.parts, problem.spread, ridge=True)
         drawn.evaluations = problem.evaluations
         near = solve(drawn, vector, robust, 20)
         problem.evaluations = near.evaluations
-        covariance, _ = covariance_of(problem, near.vector, robust)
-        dropped = _least_known(problem.model, near.vector, covariance)
+        dropped = untold(problem, near.vector, robust)
+        if dropped is None:
+            # Once more without the priors: what goes to its bound then was held by its prior alone.
+            result = solve(problem, near.vector, robust, 20)
+            dropped = untold(problem, result.vector, robust)
         if dropped is None:
             break
         left.append(dropped)
@@ -147,7 +151,14 @@ def settle(problem: Problem, vector: Array, robust: float) -> tuple[Problem, Res
         evaluations = problem.evaluations
         problem = Problem(problem.model.without([dropped]), problem.parts, problem.spread)
         problem.evaluations, vector = evaluations, near.vector[kept]
-    return problem, solve(problem, near.vector, robust, 20), left
+    return problem, result, left
+
+
+def untold(problem: Problem, vector: Array, robust: float) -> str | None:
+    """Return the key path of the number that a measurement tells least, if it does not tell it; none otherwise."""
+    if not len(vector):
+        return None
+    return _least_known(problem.model, vector, covariance_of(problem, vector, robust)[0])
 
 
 def _least_known(model: Model, vector: Array, covariance: Array) -> str | None:
@@ -156,8 +167,6 @@ def _least_known(model: Model, vector: Array, covariance: Array) -> str | None:
     Only one: with it at its prior the others may be known well. None where every number is known better than by its
     prior, or so far from it that the measurement rules it out.
     """
-    if not len(vector):
-        return None
     mixing = model.mixing()
     share, away = _beside_priors(model, vector, np.diag(mixing @ covariance @ mixing.T))
     open_ = ~_tabled(model) & (share >= 1.0) & ((away < NORMAL_95) | np.isinf(share))
@@ -244,8 +253,10 @@ def _with_priors(
     every, joint = whole.start(), np.zeros((len(places), len(places)))
     every[fitted] = vector
     joint[np.ix_(fitted, fitted)] = covariance
+    known_before = np.zeros(len(places))
+    known_before[fitted] = NORMAL_95 / whole.widths()[fitted]
     if not len(kept):
-        return every, joint, np.zeros_like(covariance)
+        return every, _with_information(joint, known_before), np.zeros_like(covariance)
     prior = np.diag((whole.priors()[kept] / NORMAL_95) ** 2)
     joint[np.ix_(kept, kept)] = prior
     if not len(fitted):
@@ -259,7 +270,17 @@ def _with_priors(
     joint[np.ix_(fitted, fitted)] += left_open
     joint[np.ix_(fitted, kept)] = moves @ prior
     joint[np.ix_(kept, fitted)] = prior @ moves.T
-    return every, joint, left_open
+    return every, _with_information(joint, known_before), left_open
+
+
+def _with_information(covariance: Array, information: Array) -> Array:
+    """Return a covariance where each number is also known by itself, to 1 / information; nothing of zero.
+
+    Draws of what the measurement does not tell stay in what is plausible without it.
+    """
+    scaled = information[:, None] * covariance
+    inner = np.eye(len(information)) + scaled * information
+    return np.asarray(covariance - scaled.T @ np.linalg.solve(inner, scaled))
 
 
 class _Base(NamedTuple):

@@ -141,8 +141,12 @@ def _remarks(study: Any, kinds: Collection[str]) -> Iterator[str]:
     """Yield what the files were taken for and what was done to them."""
     if study.measured is None or not study.measured.files:
         return
+    from pipeline.experiments.own_battery.plausible import doubtful_voltage
     from pipeline.experiments.own_battery.reading import measured_series
 
+    doubt = doubtful_voltage(study.battery, study.own_battery)
+    if doubt is not None:
+        yield doubt
     for series in measured_series(study.measured):
         yield from (f"measured.file: {Path(series.file).name}: {line}" for line in series.said)
 
@@ -164,4 +168,5 @@ EXPERIMENT = Experiment(
     fields=lambda study: {} if study.measured is None else {FITTING.name: {}},
     labels={"own": Label(_label, ("measured.file", "measured.more", "own_battery.title"))},
     alone=lambda study: study.measured is not None,
+    tells="telling",
 )

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from pipeline.cell.circuit import ZERO_CELSIUS_K
 from pipeline.cell.records import Battery
 from pipeline.experiments.own_battery import card
-from pipeline.experiments.own_battery.certainty import certainty_of, draws, settle
+from pipeline.experiments.own_battery.certainty import certainty_of, draws, settle, untold
 from pipeline.experiments.own_battery.fitting import Part, Problem, Spread, many_starts, solve, unrounded
 from pipeline.experiments.own_battery.outcome import Fitted, Record
 from pipeline.experiments.own_battery.reading import Series
@@ -20,7 +20,7 @@ from pipeline.experiments.own_battery.records import Fit
 from pipeline.experiments.own_battery.segments import Segment, Thinned, thinned, whole, with_held_voltages
 from pipeline.experiments.own_battery.structures import compare, folds, structures
 from pipeline.experiments.own_battery.tables import FITTED_NUMBERS
-from pipeline.experiments.own_battery.unknowns import SOC, Model
+from pipeline.experiments.own_battery.unknowns import SOC, Model, unknowns_of
 from pipeline.kernel.artefacts import Inputs, Output
 from pipeline.quantity import Quantity
 
@@ -48,6 +48,7 @@ def run(settings: Mapping[str, Any], inputs: Inputs, output: Output) -> None:
     output.rows("structures", _structures(found))
     output.rows("parameters", list(card.parameters(found, battery)))
     output.rows("errors", errors)
+    output.rows("limits", list(_limits(best, records, socs, fit.robust_scale)))
     output.write("overlay", _overlay(output, best, records, socs))
     known = found.certainty
     drawn = draws(known.model, known.vector, known.covariance, fit.samples, rng)
@@ -94,6 +95,13 @@ def fitted(
         near = Problem(chosen.model, unrounded(Problem(chosen.model, parts, spread), vector), spread, ridge=True)
     problem, result, kept = settle(Problem(chosen.model, near.parts, spread), vector, fit.robust_scale)
     starts = many_starts(problem, result.vector, fit.starts, rng, fit.robust_scale, 30)
+    # Another start may come to a better place where a number lies at its bound: its prior has to hold it too.
+    while (left := untold(problem, starts[0].vector, fit.robust_scale)) is not None:
+        vector = starts[0].vector[[path != left for path in problem.model.paths]]
+        problem = Problem(problem.model.without([left]), problem.parts, spread)
+        problem, result, more = settle(problem, vector, fit.robust_scale)
+        kept += [left, *more]
+        starts = many_starts(problem, result.vector, fit.starts, rng, fit.robust_scale, 30)
     certainty = certainty_of(problem, starts[0], fit.robust_scale, chosen.model)
     return Fitted(tried, chosen, chosen.model, problem, starts[0], starts, kept, certainty)
 
@@ -177,6 +185,36 @@ def _errors(best: Battery, records: Sequence[Record], socs: Sequence[float]) -> 
                         part, place, quantity, unit, math.sqrt(float(np.mean(size**2))), float(np.percentile(size, 95)),
                         float(size.max()), float(one.series.time_s[at]), len(here),
                     )  # fmt: skip
+
+
+_FREED = {
+    "the charge at its start": ("initial_soc.",),
+    "the open-circuit voltage": ("open_circuit_voltage_v.",),
+    "the resistances": ("series_resistance_ohm", "pairs.", "acceptance."),
+    "the charge at its start and the open-circuit voltage": ("initial_soc.", "open_circuit_voltage_v."),
+}
+
+
+def _limits(
+    best: Battery, records: Sequence[Record], socs: Sequence[float], robust: float
+) -> Iterator[tuple[int, str, float]]:
+    """Yield the error of files that were held out whole with one part of the card found from them.
+
+    Nothing of it goes into the card: it tells which part keeps the prediction from being better.
+    """
+    for place, one in enumerate(records):
+        if not one.held_out.all():
+            continue
+        seen = np.ones(len(one.thinned.kept), dtype=bool)
+        part = Part(one.thinned, seen, np.full(len(seen), -1))
+        spacing, length = float(np.median(np.diff(one.series.time_s))), float(one.series.time_s[-1])
+        whole_model = unknowns_of(best, [socs[place]], (spacing, 0.1 * length), False, {}, [False])
+        for name, freed in _FREED.items():
+            others = [path for path in whole_model.paths if not path.startswith(freed)]
+            problem = Problem(whole_model.without(others), [part], Spread(0.01 * best.cells, 1.0))
+            card_then, soc_then = problem.model.card(solve(problem, robust=robust, most=30).vector)
+            volts = _replayed(card_then, whole(one.series, one.ambient_c), soc_then[0])[0]
+            yield place, name, math.sqrt(float(np.mean((volts - one.series.voltage_v) ** 2)))
 
 
 def _overlay(output: Output, best: Battery, records: Sequence[Record], socs: Sequence[float]) -> dict[str, list[Any]]:

@@ -22,11 +22,17 @@ def sections(data: ReportData, figures: Sequence[PageFigure]) -> list[PageSectio
     if "own_fit" not in data.inputs:
         return []
     return [
-        PageSection("fit", "Measured and simulated", _summary(data), [_errors(data), _structures(data)], list(figures)),
+        PageSection(
+            "fit",
+            "Measured and simulated",
+            _summary(data),
+            [_errors(data), *_limits(data), _structures(data)],
+            list(figures),
+        ),
         PageSection("card", "The card", _card_text(data), [_parameters(data)]),
         PageSection("unknown", "What the measurement does not tell", _unknown_text(data), [_foresight(data)]),
         PageSection("charges", "This battery on the charger", _charge_text(data), [_charges(data)]),
-        PageSection("file", "The file", _notes(data), [_files(data), _segments(data)]),
+        PageSection("file", "The file", "", [_files(data), _notes(data), _segments(data)]),
     ]
 
 
@@ -63,14 +69,22 @@ def _card_text(data: ReportData) -> str:
 
 def _unknown_text(data: ReportData) -> str:
     names = data.table("own_fit", "parameters")
-    kept = [
-        str(path)
+    rows = [
+        (str(path), str(how))
         for path, told, how in zip(names["path"], names["identified"], names["how"], strict=True)
-        if not told and str(how).startswith("keeps")
+        if not told
     ]
-    if not kept:
-        return "Every number that was fitted is known better than before."
-    return f"Not identified, so that they keep the start card's value: {', '.join(kept)}."
+    kept = [path for path, how in rows if how.startswith("keeps")]
+    points = [path for path, _ in rows if ".value." in path]
+    loose = [path for path, _ in rows if path not in (*kept, *points)]
+    said = []
+    if kept:
+        said.append(f"Not identified, so that they keep the start card's value: {', '.join(kept)}.")
+    if loose:
+        said.append(f"Fitted, but known no better than before: {', '.join(loose)}.")
+    if points:
+        said.append(f"{len(points)} points of tables are not told by themselves and go with those beside them.")
+    return " ".join(said) or "Every number that was fitted is known better than before."
 
 
 def _charge_text(data: ReportData) -> str:
@@ -81,9 +95,14 @@ def _charge_text(data: ReportData) -> str:
     return " ".join([text, *(f"{note[:1].upper()}{note[1:]}." for note in notes)])
 
 
-def _notes(data: ReportData) -> str:
-    notes = [str(note) for note in data.table("own_reading", "notes")["note"]]
-    return " ".join(f"{note}." for note in notes)
+def _notes(data: ReportData) -> ReportTable:
+    rows = []
+    for note in data.table("own_reading", "notes")["note"]:
+        name, _, said = str(note).partition(": ")
+        rows.append((name, said))
+    return ReportTable(
+        "read", "What was found in the files and done to them", "", ("file", "what"), tuple(rows), grouped=True
+    )
 
 
 def _errors(data: ReportData) -> ReportTable:
@@ -100,6 +119,47 @@ def _errors(data: ReportData) -> ReportTable:
         ("part", "file", "quantity", "unit", "rmse", "95th percentile", "largest", "at / s"),
         tuple(rows),
         grouped=True,
+    )
+
+
+def _limits(data: ReportData) -> list[ReportTable]:
+    names, errors = _names(data), _rows(data, "own_fit", "errors")
+    rows = list(_rows(data, "own_fit", "limits"))
+    if not rows:
+        return []
+    as_is = {
+        int(row["file"]): 1e3 * float(row["rmse"])
+        for row in errors
+        if row["quantity"] == "voltage" and row["part"] == "held out"
+    }
+    shown: list[tuple[Cell, ...]] = [(names[place], "nothing: the prediction", rmse) for place, rmse in as_is.items()]
+    shown += [(names[int(row["file"])], str(row["freed"]), 1e3 * float(row["rmse_v"])) for row in rows]
+    best = min(rows, key=lambda row: float(row["rmse_v"]))
+    alone = min((row for row in rows if " and " not in str(row["freed"])), key=lambda row: float(row["rmse_v"]))
+    before = as_is[int(alone["file"])]
+    return [
+        ReportTable(
+            "limits",
+            "What limits the prediction",
+            f"The error with one part of the card found from the held-out file itself, the rest as it was fitted; none "
+            f"of it is in the card. Of single parts {alone['freed']} matters most: {before:.0f} mV become "
+            f"{1e3 * float(alone['rmse_v']):.0f} mV; at best {1e3 * float(best['rmse_v']):.0f} mV are left, which no "
+            f"such change takes away.{_form(data, float(best['rmse_v']) > 0.7e-3 * before)}",
+            ("file", "found from it", "rmse / mV"),
+            tuple(shown),
+            grouped=True,
+        )
+    ]
+
+
+def _form(data: ReportData, is_left: bool) -> str:
+    """Return that the form of the open-circuit voltage may be what limits a fit, where it is no table."""
+    paths = data.table("own_fit", "parameters")["path"]
+    if not is_left or any(str(path).startswith("open_circuit_voltage_v.value.") for path in paths):
+        return ""
+    return (
+        " The form of the card's open-circuit voltage may be what limits it, since it cannot bend where the "
+        "measurement does: own_battery.open_circuit_points=11 makes it a table."
     )
 
 

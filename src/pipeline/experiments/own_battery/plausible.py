@@ -87,6 +87,8 @@ def soc_at_start(series: Series, battery: Battery) -> float:
 
 def ambient_of(series: Series, measured: Measured) -> tuple[float, str]:
     """Return the temperature of the surroundings for a file without it [degC], and where it is from."""
+    if not np.isnan(series.ambient_c).all():
+        return float(np.nanmean(series.ambient_c)), "surroundings: as measured, row by row"
     if measured.ambient_c is not None:
         return measured.ambient_c, f"surroundings: {measured.ambient_c:g} degC, as measured.ambient_c says"
     known = series.temperature_c[~np.isnan(series.temperature_c)]
@@ -97,3 +99,18 @@ def ambient_of(series: Series, measured: Measured) -> tuple[float, str]:
             f"surroundings: taken at {first:.1f} degC, the battery's first temperature; measured.ambient_c says it",
         )
     return _ROOM_C, f"surroundings: no temperature is measured, taken at {_ROOM_C:g} degC; measured.ambient_c says it"
+
+
+def doubtful_voltage(battery: Battery, chosen: Fit) -> str | None:
+    """Return that the voltage of the charges that follow is none for the start card's cells; none where it may be."""
+    cells = battery.cells
+    half, full = (resting_voltage_v(battery, soc, _ROOM_C) / cells for soc in (0.5, 0.98))
+    # Cells with a side reaction are charged by a tenth more than they rest at, others hardly.
+    usual = full * (1.12 if battery.side_reaction is not None else 1.012)
+    if half < chosen.charge_voltage_v_cell <= 1.25 * full:
+        return None
+    return (
+        f"own_battery.charge_voltage_v_cell: {chosen.charge_voltage_v_cell:g} V a cell is no charging voltage of "
+        f"{battery.name}, which rests at {half:.3g} V half full and {full:.3g} V full: the charges that follow the fit "
+        f"mean nothing with it; own_battery.charge_voltage_v_cell={usual:.3g}, say"
+    )

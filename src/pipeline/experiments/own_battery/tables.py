@@ -115,6 +115,15 @@ ERRORS = Table(
         Column("rows", "1", "rows", "integer"),
     ),
 )
+LIMITS = Table(
+    "own_limits",
+    "What limits the prediction of files that were held out whole: its error with one part of the card found from them",
+    (
+        _FILE,
+        Column("freed", "", "what was found from the held-out file alone", "text"),
+        Column("rmse_v", "V", "error of the voltage then, root of the mean square"),
+    ),
+)
 OVERLAY = Table(
     "own_overlay",
     "Measured and simulated, on the rows that the fit uses",
@@ -163,6 +172,7 @@ FITTED = {
     "structures": TableFile("structures.parquet", STRUCTURES, elsewhere=_LOOSE),
     "parameters": TableFile("parameters.parquet", PARAMETERS, elsewhere=_LOOSE),
     "errors": TableFile("errors.parquet", ERRORS, elsewhere=_LOOSE),
+    "limits": TableFile("limits.parquet", LIMITS, elsewhere=_LOOSE),
     "overlay": TableFile("overlay.parquet", OVERLAY, time="time_s", elsewhere=_LOOSE),
     "samples": TableFile("samples.parquet", SAMPLES, elsewhere=_LOOSE),
     **NUMBERS,
