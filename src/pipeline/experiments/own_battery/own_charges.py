@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from pipeline.cell.records import Battery
+from pipeline.cell.records import Battery, resting_voltage_v
 from pipeline.charge.records import ChargeSettings, EngineSettings, Mode
 from pipeline.charge.simulate import BENCH, Charge, Task, simulate_many
 from pipeline.errors import EngineError, UserError
@@ -38,6 +38,14 @@ def run(settings: Mapping[str, Any], inputs: Inputs, output: Output) -> None:
     rows: list[tuple[Any, ...]] = []
     notes = list(_outside(found["valid"], best, settings["modes"], charge))
     for name, sheet in settings["modes"].items():
+        volts = sheet.get("voltage_v_cell", sheet.get("absorption_v_cell"))
+        half = resting_voltage_v(best, 0.5, charge.ambient_c) / best.cells
+        if isinstance(volts, int | float) and volts <= half:
+            notes.append(
+                f"{name}: not charged, since {volts:g} V a cell is no more than the {half:.3g} V that it rests at half "
+                "full; own_battery.charge_voltage_v_cell says another"
+            )
+            continue
         mode = Mode.model_validate(sheet)
         first = _charged([best], mode, charge, engine)[0]
         if isinstance(first, str):
