@@ -35,6 +35,7 @@ _TEMPORARY = re.compile(r"\..+\.(?:(?:(?P<machine>[0-9a-f]{8})-)?(?P<process>\d+
 _MACHINE = hashlib.sha256(socket.gethostname().encode()).hexdigest()[:8]
 _LONGEST_JOB_S = 8 * 86_400.0
 """After which what a process of another machine has not gone on writing is taken for left behind."""
+_NO_RENAME = (errno.EPERM, errno.EXDEV, errno.ENOTEMPTY, errno.ENOTSUP, errno.ENOSYS, errno.EINVAL)
 _NO_SYNC = (errno.EINVAL, errno.ENOTSUP, errno.EBADF, errno.EACCES, errno.EISDIR)
 patience_s = 0.0
 """How long an input that is not seen is waited for: a network's file system is late with what another machine made."""
@@ -303,8 +304,8 @@ def _move(source: Path, target: Path) -> None:
     try:
         source.replace(target)
         return
-    except OSError:
-        if not source.is_dir() or source.is_symlink() or target.exists():
+    except OSError as error:
+        if error.errno not in _NO_RENAME or not source.is_dir() or source.is_symlink() or target.exists():
             raise
     target.mkdir()
     target.chmod(0o755)
