@@ -49,7 +49,7 @@ def test_the_answer_the_table_and_the_page_have_the_engines_numbers(capsys: pyte
     assert lead > 0.0
     first = told.splitlines()[0]
     assert first.startswith(
-        f"CC-CV is fastest to SOC 0.99, by {lead:.2f} h ({share:.0f} %): CC-CV {hours['cc_cv']:.2f} h"
+        f"CC-CV is fastest to SOC 0.99, by {lead:.3f} h ({share:.0f} %): CC-CV {hours['cc_cv']:.2f} h"
     )
     folder = Path("reports/compare_modes") / f"{LEAD}__cc_cv+cv_pulse__frequency_hz=90__initial_soc=0.2"
     assert f"the page: {folder / 'index.html'}" in told
@@ -132,7 +132,7 @@ def test_a_value_that_waits_is_made_first(monkeypatch: pytest.MonkeyPatch, capsy
     ("values", "clear", "words"),
     [
         ((10.0, 10.05), False, "No clear difference in time"),
-        ((10.0, 10.2), True, "is first, by 0.20 h (2 %)"),
+        ((10.0, 10.2), True, "is first, by 0.2 h (2 %)"),
         ((10.0, None), False, "B none"),
     ],
 )
