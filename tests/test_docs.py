@@ -28,7 +28,7 @@ LINES = [
     line
     for text in TEXTS.values()
     for block in re.findall(r"^```\n(.*?)^```$", text, re.M | re.S)
-    for line in block.splitlines()
+    for line in block.replace("\\\n", " ").splitlines()
 ]
 TYPED = sorted({line.split("#")[0].strip() for line in LINES if line.startswith(("python -m pipeline", "snakemake"))})
 MADE_UP = ("NAME", "FILE", "OTHER", "FOLDER")
@@ -51,7 +51,7 @@ def _words(line: str) -> list[str]:
 @pytest.mark.parametrize("line", TYPED)
 def test_a_command_is_understood(line: str) -> None:
     words = _words(line)
-    if (words and words[0] in COMMANDS) or any(name in line for name in MADE_UP):
+    if words and (words[0] in COMMANDS or any(name in line for name in MADE_UP)):
         assert words[0] in COMMANDS or any("=" in word for word in words)
         return
     for run in expand(words):

@@ -312,7 +312,7 @@ def test_no_file_is_asked_for() -> None:
 def test_a_plan_says_what_was_done_to_the_file() -> None:
     run = run_of(["study=own_battery", f"measured.file={small_file()}"])
     assert [node.name for node in run.nodes][:3] == ["own_reading", "own_fit", "own_charges"]
-    assert any("positive_charging, judged" in line for line in run.warnings)
+    assert any("positive_charging, judged" in line for line in run.remarks)
 
 
 @pytest.mark.skipif(not SHARED.is_dir(), reason="../shared/data is not there")
