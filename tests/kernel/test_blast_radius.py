@@ -12,6 +12,8 @@ import pytest
 
 from pipeline.kernel.places import PROJECT
 
+# Each edit plans three studies anew, by a process of its own.
+pytestmark = pytest.mark.slow
 EXPERIMENT = "src/pipeline/experiments/trade_off"
 KEYS = """
 import json

@@ -107,6 +107,7 @@ print(*(path for path in sorted(opened - set(files)) if not any(Path(path).is_re
 """
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("door", files.TABLES)
 def test_every_file_that_planning_opens_is_known(door: str, tmp_path: Path) -> None:
     """What planning opens lies in the package or in conf/, or its digest is taken: else a change would go unseen."""
