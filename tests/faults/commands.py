@@ -312,7 +312,7 @@ class _Job:
         if chunk["step"] == "publish":
             yield from (path for path in (self._folder / "reports").glob("*/*/*"))
         else:
-            yield from (results / "store" / str(chunk["step"])).glob(f".*.{process}")
+            yield from (results / "store" / str(chunk["step"])).glob(f".*-{process}")
 
     def _start(self, *more: str) -> subprocess.Popen[str]:
         return subprocess.Popen(
