@@ -14,7 +14,7 @@ import pytest
 from pipeline.kernel import digest
 from tests.workflow.conftest import Project
 
-pytestmark = [pytest.mark.workflow]
+pytestmark = [pytest.mark.workflow, pytest.mark.slow]
 
 RUN = "resting_study/default"
 COMMANDS = {

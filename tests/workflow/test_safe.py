@@ -25,6 +25,7 @@ def tiny(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Project]:
     subprocess.run(["chmod", "-R", "u+w", str(project.folder)], check=True)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("door", ["pipeline", "snakemake"])
 def test_a_title_is_text_wherever_it_goes(tiny: Project, door: str) -> None:
     if door == "pipeline":
