@@ -40,7 +40,11 @@ FUNCTIONS = {
 
 
 @pytest.mark.parametrize("function", FUNCTIONS)
-@pytest.mark.parametrize("search", SEARCHES)
+@pytest.mark.parametrize(
+    "search",
+    # Steps of a population in Python: three seconds a function.
+    [pytest.param(name, marks=pytest.mark.slow) if name == "genetic" else name for name in SEARCHES],
+)
 def test_every_search_finds_the_minimum_of_every_function(search, function):
     benchmark = BENCHMARKS[function]
     # Off the centre, so that neither a start in the middle nor an odd grid hits it by chance.
