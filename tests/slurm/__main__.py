@@ -8,7 +8,6 @@ from __future__ import annotations
 import argparse
 import json
 import os
-import shutil
 import signal
 import subprocess
 import sys
@@ -25,9 +24,9 @@ from pipeline.commands import new
 from pipeline.kernel import store
 from tests.slurm.cluster import Cluster, NotHere, running, still_running
 from tests.slurm.measured import TABLE, read
+from tests.workflow.conftest import copy_parts
 
 ROOT = Path(__file__).resolve().parents[2]
-PARTS = ("Snakefile", "workflow", "profiles", "conf", "src", "requirements.lock")
 # Of this cluster alone: it keeps no accounts, and forgets no job; one looks more often than is polite elsewhere.
 PROFILE = """
 slurm-no-account: true
@@ -66,13 +65,7 @@ class Project:
 
     def __init__(self, folder: Path) -> None:
         self.folder = folder
-        folder.mkdir()
-        for part in PARTS:
-            source = ROOT / part
-            if source.is_dir():
-                shutil.copytree(source, folder / part, ignore=shutil.ignore_patterns("__pycache__"))
-            else:
-                shutil.copy2(source, folder / part)
+        copy_parts(folder)
         with (folder / "profiles" / "slurm" / "config.yaml").open("a", encoding="utf-8") as file:
             file.write(PROFILE)
         self.results = folder / "results"

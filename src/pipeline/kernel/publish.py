@@ -8,10 +8,15 @@ import subprocess
 from collections.abc import Collection, Iterator, Mapping
 from importlib import import_module, metadata
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from pipeline.kernel import digest, places, receipts, store
 from pipeline.kernel.planfile import command
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from pipeline.kernel.tables import TableFile
 
 MANIFEST = "manifest.json"
 """The manifest of a run that was published whole."""
@@ -181,6 +186,25 @@ def view_folder(results: Path, run: Mapping[str, Any], room: str) -> Path:
     """Return the folder of a run's view in `results/` or in `reports/` beside it."""
     base = results if room == "results" else results.parent / room
     return base / str(run["study"]) / str(run["name"])
+
+
+def made(
+    run: Mapping[str, Any], step: str, file: TableFile, results: Path
+) -> Iterator[tuple[str, Mapping[str, NDArray[Any]]]]:
+    """Yield name and table of every node of a step that a run has and the store holds.
+
+    Arguments
+    ---------
+    run : as the plan holds it.
+    file : which of the step's tables.
+    """
+    # Whoever only plans does without Arrow.
+    from pipeline.kernel import tables
+
+    for name, node in run["nodes"].items():
+        path = store.artefact(results, node["step"], node["key"]) / file.file
+        if node["step"] == step and path.is_file():
+            yield name, tables.read(file.table, path)
 
 
 def _places(run: Mapping[str, Any], results: Path, steps: Collection[str]) -> Iterator[tuple[Path, dict[str, Any]]]:

@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from pipeline.experiments.charges.tables import CHARGE
-from pipeline.kernel import store, tables
+from pipeline.kernel.publish import made
 
 
 def lines(run: Mapping[str, Any], steps: Collection[str], results: Path) -> Iterator[str]:
@@ -18,12 +18,7 @@ def lines(run: Mapping[str, Any], steps: Collection[str], results: Path) -> Iter
     run : as the plan holds it.
     steps : those that were asked for.
     """
-    file = CHARGE["summary"]
-    for name, node in run["nodes"].items() if "charge" in steps else ():
-        summary = store.artefact(results, node["step"], node["key"]) / file.file
-        if node["step"] != "charge" or not summary.is_file():
-            continue
-        columns = tables.read(file.table, summary)
+    for name, columns in made(run, "charge", CHARGE["summary"], results) if "charge" in steps else ():
         for quantity, text in zip(columns["quantity"], columns["text"], strict=True):
             if quantity == "missed" and text:
                 yield f"{run['study']}/{run['name']} {name}: {text}"

@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from pipeline.experiments.days.declaration import DAY
-from pipeline.kernel import store, tables
+from pipeline.kernel.publish import made
 
 
 def lines(run: Mapping[str, Any], steps: Collection[str], results: Path) -> Iterator[str]:
@@ -18,9 +18,6 @@ def lines(run: Mapping[str, Any], steps: Collection[str], results: Path) -> Iter
     run : as the plan holds it.
     steps : those that were asked for.
     """
-    file = DAY["missed"]
-    for name, node in run["nodes"].items() if "day" in steps else ():
-        missed = store.artefact(results, node["step"], node["key"]) / file.file
-        if node["step"] == "day" and missed.is_file():
-            for text in tables.read(file.table, missed)["missed"]:
-                yield f"{run['study']}/{run['name']} {name}: {text}"
+    for name, columns in made(run, "day", DAY["missed"], results) if "day" in steps else ():
+        for text in columns["missed"]:
+            yield f"{run['study']}/{run['name']} {name}: {text}"

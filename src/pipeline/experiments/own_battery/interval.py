@@ -9,17 +9,16 @@ from numpy.typing import NDArray
 
 from pipeline.cell.circuit import (
     ENTROPIC,
-    EXCHANGE,
     FIRST_PAIR,
     OPEN_CIRCUIT,
     REFERENCE_K,
     SERIES,
-    THERMAL_V_PER_K,
     Cell,
     hysteresis_at,
     side_current,
 )
 from pipeline.cell.curves import factor_and_slope, value_and_slope
+from pipeline.charge.moment import charge_transfer
 from pipeline.jit import inlined, kernel
 
 Array = NDArray[np.float64]
@@ -55,21 +54,6 @@ def _pair(cell: Cell, k: int, x: float, kelvin: float) -> tuple[float, float]:
     return ohm * factor, slope * factor
 
 
-@inlined
-def _transfer(cell: Cell, x: float, kelvin: float, main: float) -> tuple[float, float, float]:
-    """Return the overpotential of the main reaction and its slopes with current and x."""
-    if cell.transfer == 0:
-        return 0.0, 0.0, 0.0
-    exchange, exchange_slope = value_and_slope(cell, EXCHANGE, x)
-    scale = 2.0 * THERMAL_V_PER_K * kelvin
-    with_current = scale / math.hypot(main, 2.0 * exchange)
-    return (
-        scale * math.asinh(main / (2.0 * exchange)),
-        with_current,
-        -with_current * main / exchange * exchange_slope,
-    )
-
-
 @kernel
 def at_once(
     cell: Cell, scratch: Array, x: float, kelvin: float, zone: float, total: float, guess: float
@@ -81,12 +65,12 @@ def at_once(
     for k in range(cell.pairs + cell.acceptance):
         slow += scratch[VALUE, k]
     if cell.side == 0:
-        eta = _transfer(cell, within, kelvin, total)[0]
+        eta = charge_transfer(cell, within, kelvin, total)[0]
         return total, 0.0, slow + eta, eta
     main = guess if cell.transfer == 1 else total
     eta, side = 0.0, 0.0
     for _ in range(_ITERATIONS):
-        eta, eta_slope, _by_depth = _transfer(cell, within, kelvin, main)
+        eta, eta_slope, _by_depth = charge_transfer(cell, within, kelvin, main)
         side, side_slope = side_current(cell, slow + eta, kelvin)
         if cell.transfer == 0:
             main = total - side
@@ -145,7 +129,7 @@ def advance(
         open_v, open_slope = value_and_slope(cell, OPEN_CIRCUIT, within)
         entropy, entropy_slope = value_and_slope(cell, ENTROPIC, within)
         warmer = kelvin - REFERENCE_K
-        eta, eta_slope, eta_by_depth = _transfer(cell, within, kelvin, ends)
+        eta, eta_slope, eta_by_depth = charge_transfer(cell, within, kelvin, ends)
         node = open_v + entropy * warmer + eta
         slope = eta_slope + (open_slope + entropy_slope * warmer + eta_by_depth) * moved
         if cell.hysteresis == 1:
