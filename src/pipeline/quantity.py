@@ -70,6 +70,3 @@ class Vocabulary:
 def fields(pattern: str) -> tuple[str, ...]:
     """Return the names of the fields of a pattern, each once."""
     return tuple(dict.fromkeys(name for _, name, _, _ in Formatter().parse(pattern) if name))
-
-
-NO_QUANTITIES = Vocabulary({})

@@ -13,6 +13,7 @@ from typing import Any
 
 from pipeline.commands.workflow import say
 from pipeline.kernel import receipts
+from pipeline.kernel.experiment import kind_of
 
 QUIET_S = 2.0
 """What takes less shows nothing."""
@@ -64,7 +65,7 @@ class Made:
         self._open: dict[str, int] = {}
         for number, run in enumerate(plan["runs"]):
             for name, node in run["nodes"].items():
-                own = name.split("/")[0]
+                own = kind_of(name)
                 if own in run["sweep"] and node["key"] in plan["nodes"]:
                     self._waits.setdefault(node["key"][:12], []).append(f"{number}/{own}")
                     self._open[f"{number}/{own}"] = self._open.get(f"{number}/{own}", 0) + 1

@@ -21,7 +21,7 @@ from pipeline.config.units import unit_of
 from pipeline.errors import UserError, best_matches
 from pipeline.kernel import digest, plan, registry, sweeps
 from pipeline.kernel.draft import drafted, paths, plain, reached
-from pipeline.kernel.experiment import Draft, Experiment, Node, Swept
+from pipeline.kernel.experiment import Draft, Experiment, Node, Swept, kind_of
 from pipeline.published.ensemble import EnsembleSettings
 
 Watch = Callable[[Iterable[Any]], Iterable[Any]]
@@ -176,7 +176,7 @@ class _Planner:
 
     def _kept(self, nodes: Sequence[Node], composed: Composed) -> Iterator[Node]:
         """Yield the nodes without those on demand that are neither asked for nor overridden in what is theirs alone."""
-        asked_for = {node.name: _kind(node) not in {*node.step.swept_on_demand} - {*self.keep} for node in nodes}
+        asked_for = {node.name: kind_of(node.name) not in {*node.step.swept_on_demand} - {*self.keep} for node in nodes}
         usual = {path for node in nodes if asked_for[node.name] for path in _read(node)}
         for node in nodes:
             own = () if asked_for[node.name] else {*_read(node)} - usual
@@ -231,10 +231,6 @@ def _listed(function: Callable[[Any], Iterable[Any]]) -> Callable[[Any], tuple[A
 
 def _remarks(experiment: Experiment, kinds: Collection[str], study: Any) -> Iterable[str]:
     return experiment.remarks(study, kinds)
-
-
-def _kind(node: Node) -> str:
-    return node.name.split("/")[0]
 
 
 def _read(node: Node) -> Iterator[str]:

@@ -151,6 +151,7 @@ def charge_over_day(
                 log.charged(outcome, sheet, place, begun)
             else:
                 log.paused(from_s, place.over)
+    end_soc = 1.0 - float(run["state"][DEPTH])
     return DayCharge(
         trace=trace(outcome, np.nan),
         changes=log.changes,
@@ -163,9 +164,9 @@ def charge_over_day(
         charge_out_ah=float(book.totals[CHARGE_OUT]) / 3600.0,
         peak_temperature_c=float(book.peak_k[0]) - ZERO_CELSIUS_K,
         end_temperature_c=float(run["state"][TEMPERATURE]) - ZERO_CELSIUS_K,
-        end_soc=1.0 - float(run["state"][DEPTH]),
+        end_soc=end_soc,
         steps=int(run["steps"]),
-        missed=missed(sheet, place, log, 1.0 - float(run["state"][DEPTH])),
+        missed=missed(sheet, place, log, end_soc),
     )
 
 

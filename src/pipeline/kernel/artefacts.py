@@ -10,6 +10,7 @@ from typing import Any, Protocol
 import numpy as np
 
 from pipeline.kernel import tables
+from pipeline.kernel.experiment import kind_of
 from pipeline.kernel.tables import TableFile
 
 Columns = dict[str, np.ndarray[Any, Any]]
@@ -90,11 +91,11 @@ class Inputs(Mapping[str, Path]):
 
     def kinds(self) -> set[str]:
         """Return the kinds of the inputs: the first words of their names."""
-        return {name.split("/")[0] for name in self}
+        return {kind_of(name) for name in self}
 
     def of_kind(self, kind: str) -> list[str]:
         """Return the names of the inputs of a kind, in the order of the plan."""
-        return [name for name in self if name.split("/")[0] == kind]
+        return [name for name in self if kind_of(name) == kind]
 
     def renamed(self, names: Mapping[str, str]) -> Inputs:
         """Return some inputs under other names, and nothing else.

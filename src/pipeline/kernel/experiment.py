@@ -17,6 +17,11 @@ EVERYTHING = "every step"
 """Stands in `takes` for every step of the other experiments."""
 
 
+def kind_of(name: str) -> str:
+    """Return the kind of a node: the first word of its name."""
+    return name.split("/")[0]
+
+
 class Vocabulary(Protocol):
     """The numbers that a step finds: their names, perhaps with fields in braces, their units and meanings."""
 
@@ -143,7 +148,7 @@ class Draft:
     @property
     def kind(self) -> str:
         """Return the first word of its name."""
-        return self.name.split("/")[0]
+        return kind_of(self.name)
 
 
 @dataclass(frozen=True)

@@ -11,9 +11,10 @@ import numpy as np
 
 from pipeline.errors import UserError, best_matches
 from pipeline.kernel.artefacts import Inputs
+from pipeline.kernel.experiment import kind_of
 from pipeline.kernel.tables import TableFile
 from pipeline.published.operands import AtTime, Difference, Operand, Product, Ratio, Total, Value, text
-from pipeline.published.reference import PRINTED, REFERENCE, is_named, kind, read_csv
+from pipeline.published.reference import PRINTED, REFERENCE, is_named, read_csv
 from pipeline.record import Record
 
 Columns = dict[str, np.ndarray[Any, Any]]
@@ -71,7 +72,7 @@ class Lookup:
 
     def table(self, artefact: str, name: str) -> Columns:
         """Return a table as column -> array; raise `Unanswerable` where this run has no such input."""
-        if kind(artefact) == PRINTED:
+        if kind_of(artefact) == PRINTED:
             file = self._printed / f"{name}.csv"
             if not file.is_file():
                 raise Unanswerable(f"{artefact} is not part of this run")

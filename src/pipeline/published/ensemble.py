@@ -16,11 +16,11 @@ from pydantic import Field, TypeAdapter, ValidationError, field_validator
 from pipeline.errors import UserError
 from pipeline.kernel import tables
 from pipeline.kernel.artefacts import Output
+from pipeline.kernel.experiment import kind_of
 from pipeline.kernel.scope import below
 from pipeline.kernel.tables import Column, Table, TableFile
 from pipeline.published.artefacts import Lookup, Unanswerable, number
 from pipeline.published.operands import Operand, atoms, text, values
-from pipeline.published.reference import kind
 from pipeline.published.words import PARAMETERS
 from pipeline.record import Record
 
@@ -166,7 +166,7 @@ def asked(config: Any, kinds: Collection[str], basis: str = "model") -> list[dic
         text(one): one.model_dump(mode="json")
         for operand in read
         for one in atoms(operand)
-        if {kind(value.artefact) for value in values(one)} <= set(kinds)
+        if {kind_of(value.artefact) for value in values(one)} <= set(kinds)
     }
     return [found[name] for name in sorted(found)]
 
@@ -221,7 +221,7 @@ class Computed:
 
     def declared(self, source: str, name: str) -> TableFile | None:
         """Return how a table is declared; that of named numbers is the same in every step."""
-        return tables.find({**tables.NUMBERS, **self._declared.get(kind(source), {})}, name)
+        return tables.find({**tables.NUMBERS, **self._declared.get(kind_of(source), {})}, name)
 
     def table(self, source: str, name: str) -> dict[str, np.ndarray[Any, Any]]:
         """Return a table as column -> array."""

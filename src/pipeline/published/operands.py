@@ -8,6 +8,7 @@ from typing import Annotated, Any
 from pydantic import BeforeValidator, Discriminator, Field, Tag
 
 from pipeline.kernel import registry
+from pipeline.kernel.experiment import kind_of
 from pipeline.record import Record
 
 _VALUE = re.compile(
@@ -49,7 +50,7 @@ def parse(text: Any) -> Any:
 
 def _usual_table(artefact: str) -> str:
     """Return the table that is meant where none is named; a paper's own has one of its own name."""
-    step = registry.steps().get(artefact.split("/")[0])
+    step = registry.steps().get(kind_of(artefact))
     return artefact.split("/")[-1] if step is None or step.usual_table is None else step.usual_table
 
 

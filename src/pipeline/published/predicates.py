@@ -9,6 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from pipeline.errors import UserError
+from pipeline.kernel.experiment import kind_of
 from pipeline.published.artefacts import Columns, Reader, Unanswerable, number
 from pipeline.published.operands import Operand, Value, values
 from pipeline.published.records import (
@@ -29,7 +30,7 @@ from pipeline.published.records import (
     Within,
     compared,
 )
-from pipeline.published.reference import PRINTED, kind
+from pipeline.published.reference import PRINTED
 from pipeline.published.wording import SAME, Wording, exact, of_differences, opened, plain
 
 
@@ -116,7 +117,7 @@ def _close(limits: CloseTo, reader: Reader, told: Wording) -> Outcome:
 
 def _is_printed(operand: Operand) -> bool:
     """Tell whether an operand is a number of the paper, so that it counts as the one that is required."""
-    return isinstance(operand, Value) and kind(operand.artefact) == PRINTED
+    return isinstance(operand, Value) and kind_of(operand.artefact) == PRINTED
 
 
 def _ordered(pair: Ordered, reader: Reader, told: Wording, side: int) -> Outcome:
@@ -209,7 +210,7 @@ def _parts(checks: tuple[Check, ...]) -> Iterator[Operand]:
 
 def _shared_row(parts: tuple[Check, ...]) -> Value | None:
     """Return a value of the row that all values of several predicates share, a paper's own apart."""
-    found = [one for operand in _parts(parts) for one in values(operand) if kind(one.artefact) != PRINTED]
+    found = [one for operand in _parts(parts) for one in values(operand) if kind_of(one.artefact) != PRINTED]
     same = found and all(one.where == found[0].where and one.artefact == found[0].artefact for one in found)
     return found[0] if same and found[0].where else None
 

@@ -23,11 +23,6 @@ def reference_tables() -> list[Path]:
     return sorted(REFERENCE.glob("*.csv"))
 
 
-def kind(artefact: str) -> str:
-    """Return the kind of an input: the first word of its name."""
-    return artefact.split("/")[0]
-
-
 def is_named(table: Table) -> bool:
     """Tell whether a table holds a named number in each row; a statement reads them by that name."""
     return {"quantity", "value", "unit"} <= {column.name for column in table.columns}

@@ -8,11 +8,11 @@ from typing import Any
 
 from pipeline.errors import UserError, best_matches
 from pipeline.kernel import registry
-from pipeline.kernel.experiment import Step
+from pipeline.kernel.experiment import Step, kind_of
 from pipeline.kernel.tables import TableFile, find
 from pipeline.published.operands import Value, values
 from pipeline.published.records import read_tables, read_values
-from pipeline.published.reference import PRINTED, is_named, kind, reference_tables
+from pipeline.published.reference import PRINTED, is_named, reference_tables
 
 
 def check_statements(study: Any) -> None:
@@ -78,7 +78,7 @@ class _Known:
         artefact, _, table = path.rpartition(".")
         if artefact not in self.inputs:
             raise UserError(f"{part}.{statement}: {self._unknown_input(artefact)}")
-        if kind(artefact) == PRINTED:
+        if kind_of(artefact) == PRINTED:
             known: Iterable[str] = {artefact.split("/")[-1]}
             if table in known:
                 return
@@ -95,7 +95,7 @@ class _Known:
         if declared is None:
             return
         if is_named(declared.table):
-            known, names = self._numbers(kind(value.artefact)), [value.quantity]
+            known, names = self._numbers(kind_of(value.artefact)), [value.quantity]
         else:
             known, names = {column.name for column in declared.table.columns}, [value.quantity, *value.where]
         for name in names:
@@ -124,8 +124,8 @@ class _Known:
 
 
 def _step(artefact: str) -> Step:
-    return registry.steps()[kind(artefact)]
+    return registry.steps()[kind_of(artefact)]
 
 
 def _declared(artefact: str, table: str) -> TableFile | None:
-    return None if kind(artefact) == PRINTED else find(_step(artefact).tables, table)
+    return None if kind_of(artefact) == PRINTED else find(_step(artefact).tables, table)

@@ -5,10 +5,11 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable, Mapping, Sequence
 
+from pipeline.kernel.experiment import kind_of
 from pipeline.published.artefacts import Reader, Unanswerable
 from pipeline.published.operands import AtTime, Difference, Operand, Product, Ratio, Total, Value, values
 from pipeline.published.records import Told
-from pipeline.published.reference import PRINTED, kind
+from pipeline.published.reference import PRINTED
 
 _ACRONYMS = {"soc": "SOC", "ise": "ISE", "mse": "MSE", "anfis": "ANFIS", "grnn": "GRNN"}
 _SIGNS = (("degC", "°C"), ("ohm", "Ω"), ("rate2", "rate²"), ("mW2", "mW²"), ("m2", "m²"))
@@ -153,7 +154,7 @@ class Wording:
         first, *others = values(operand)
         row = "" if any(one.where != first.where for one in others) else self.row(first, first.where)
         (*named, group), text = self._artefact(owner), self.shape(operand)
-        if kind(owner) == PRINTED and not text.startswith("printed"):
+        if kind_of(owner) == PRINTED and not text.startswith("printed"):
             text = f"printed {text}"
         text = " of ".join([text, *named])
         told = ", ".join(part for part in (group, row) if part)
@@ -251,7 +252,7 @@ class Wording:
         """Return a quantity or column as words, without the ending that repeats its unit; a paper's own as it is."""
         if name in self._called:
             return self._called[name]
-        if kind(value.artefact) == PRINTED:
+        if kind_of(value.artefact) == PRINTED:
             return name
         unit = self._reader.unit(value.model_copy(update={"quantity": name, "where": {}})) or "1"
         for per in ("_", "_per_"):

@@ -6,12 +6,12 @@ from collections.abc import Iterable, Mapping
 from typing import Any
 
 from pipeline.kernel.artefacts import Inputs, Output
+from pipeline.kernel.experiment import kind_of
 from pipeline.published.answer import Choice, answered
 from pipeline.published.artefacts import Lookup, Sample
 from pipeline.published.ensemble import NAME as ENSEMBLE
 from pipeline.published.evaluate import evaluate
 from pipeline.published.records import Statement, needs
-from pipeline.published.reference import kind
 
 SECOND = "second_charge"
 """First word of the names of the second battery's charges."""
@@ -22,7 +22,7 @@ def answered_by_charges(statements: Mapping[str, Statement]) -> dict[str, Statem
     return {
         name: stated
         for name, stated in statements.items()
-        if stated.basis == "model" and {kind(artefact) for artefact in needs(stated)} == {"charge"}
+        if stated.basis == "model" and {kind_of(artefact) for artefact in needs(stated)} == {"charge"}
     }
 
 
@@ -33,7 +33,7 @@ def of_second(artefact: str) -> str:
 
 def in_place_of_the_first(inputs: Iterable[str]) -> dict[str, str]:
     """Return the names that the second battery's charges take from the first's -> their own."""
-    return {f"charge/{name.partition('/')[2]}": name for name in inputs if kind(name) == SECOND}
+    return {f"charge/{name.partition('/')[2]}": name for name in inputs if kind_of(name) == SECOND}
 
 
 def samples(inputs: Inputs, nominal: Lookup) -> list[Sample]:
