@@ -13,7 +13,7 @@ VALUES = {"kind": "sweep", "title": "sweep", "points": 11, "variables": {"x": {"
 
 
 def test_every_module_of_the_folder_is_an_algorithm_of_its_own_name():
-    assert registry.names() == [
+    assert list(registry.names()) == [
         "cuckoo", "differential_evolution", "genetic", "particle_swarm", "swarm", "sweep",
     ]  # fmt: skip
     for name in registry.names():

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
 from typing import Any
 
@@ -90,6 +90,7 @@ class Resolver:
         self.capacity_in_use_ah = capacity_in_use_ah
         self.cells = cells
         self.used: set[str] = set()
+        self._looked_up: dict[tuple[int, str], Mapping[str, Number]] = {}
 
     def holds(self, name: str) -> bool:
         """Tell whether a parameter has a knob of its own name."""
@@ -131,18 +132,31 @@ class Resolver:
             raise ValueError("a voltage per cell needs the number of cells")
         return number * self.cells
 
-    def optional(self, record: Record, where: str) -> dict[str, Number]:
+    def once(self, record: Record, where: str, look_up: Callable[[], Mapping[str, Number]]) -> Mapping[str, Number]:
+        """Return the numbers of a part of the mode, looked up once."""
+        if (id(record), where) not in self._looked_up:
+            self._looked_up[id(record), where] = look_up()
+        return self._looked_up[id(record), where]
+
+    def optional(self, record: Record, where: str) -> Mapping[str, Number]:
         """Return the numbers of those fields of a record that are given, by their names for a whole battery."""
+        return self.once(record, where, lambda: self._optional(record, where))
+
+    def _optional(self, record: Record, where: str) -> dict[str, Number]:
         given = {name: value for name, value in record if value is not None}
         found = {of_battery(name)[0]: self.number(value, name, f"{where}.{name}") for name, value in given.items()}
         return {name: value for name, value in found.items() if value is not None}
 
 
-def parameters(resolver: Resolver, waveform: Waveform, where: str) -> dict[str, Number]:
+def parameters(resolver: Resolver, waveform: Waveform, where: str) -> Mapping[str, Number]:
     """Return a waveform's parameters as numbers; those of a list are called `name.0`, `name.1`, ...
 
     A reference that is still open comes back as it is, one for a whole list under the name of the list.
     """
+    return resolver.once(waveform, where, lambda: _parameters(resolver, waveform, where))
+
+
+def _parameters(resolver: Resolver, waveform: Waveform, where: str) -> dict[str, Number]:
     found: dict[str, Number | None] = {}
     for name, value in waveform:
         if name in waveform.no_parameters:

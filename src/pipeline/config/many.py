@@ -36,6 +36,8 @@ class Memory:
     def __init__(self) -> None:
         self._kept: dict[Any, Any] = {}
         self._known: set[int] = set()
+        # Identity of a section that came as another one -> that one, kept alive, and the one that is kept.
+        self._equal: dict[int, tuple[Any, Any]] = {}
 
     def tree(self, tree: Mapping[str, Any]) -> dict[str, Any]:
         """Return a tree whose sections, and entries of sections, are the ones that are kept."""
@@ -46,8 +48,11 @@ class Memory:
             return value
         if not isinstance(value, dict):
             return self._keep((key, repr(value)), value)
-        entries = {name: self._entry(key, name, one) for name, one in value.items()}
-        return self._keep((key, tuple((name, id(one)) for name, one in entries.items())), entries)
+        if id(value) not in self._equal:
+            entries = {name: self._entry(key, name, one) for name, one in value.items()}
+            kept = self._keep((key, tuple((name, id(one)) for name, one in entries.items())), entries)
+            self._equal[id(value)] = value, kept
+        return self._equal[id(value)][1]
 
     def _entry(self, section: str, name: str, value: Any) -> Any:
         return value if id(value) in self._known else self._keep((section, name, repr(value)), value)

@@ -5,7 +5,6 @@ What is refused, and how it is told, is left to `study_from`: whatever fails her
 
 from __future__ import annotations
 
-import inspect
 from collections.abc import Callable, Mapping
 from functools import cache
 from types import FunctionType, MethodType
@@ -18,7 +17,7 @@ from pipeline.config.many import Memory
 from pipeline.config.sources import attribute, check_found, found_values, leaves, split
 from pipeline.config.study import study_from, study_type, without_unnamed
 from pipeline.errors import UserError
-from pipeline.kernel import registry
+from pipeline.kernel import registry, scope
 from pipeline.published.vocabulary import check_statements
 from pipeline.record import Record
 
@@ -44,7 +43,7 @@ class Seen:
     def __getattr__(self, name: str) -> Any:
         if name.startswith("__"):
             raise AttributeError(name)
-        found = _of_class(type(self._record), name)
+        found = scope.member(type(self._record), name)
         if isinstance(found, property) and found.fget is not None:
             return found.fget(self)
         if isinstance(found, FunctionType):
@@ -52,15 +51,6 @@ class Seen:
         value = getattr(self._record, name)
         self._seen[name] = value
         return value
-
-
-_MEMBERS: dict[tuple[type, str], Any] = {}
-
-
-def _of_class(record: type, name: str) -> Any:
-    if (record, name) not in _MEMBERS:
-        _MEMBERS[record, name] = inspect.getattr_static(record, name, None)
-    return _MEMBERS[record, name]
 
 
 class Recalled:
@@ -184,7 +174,7 @@ class Studies:
         here: Any = values
         for key in path.split("."):
             here = here.get(key, {}) if isinstance(here, Mapping) else {}
-        words = tuple(word for word in composed.overrides if _touches(word, path))
+        words = tuple(word for word in composed.overrides if _touches(word.split("=", 1)[0], path))
 
         def look() -> list[tuple[str, Any]]:
             said = written.get(path.split(".")[0], {})
@@ -207,9 +197,10 @@ class Studies:
         return self._made[key][1]
 
 
-def _touches(word: str, path: str) -> bool:
-    """Tell whether an override sets a section, a part of it, or what it is a part of."""
-    group, _, package = word.split("=", 1)[0].lstrip("+~").partition("@")
+@cache
+def _touches(key: str, path: str) -> bool:
+    """Tell whether an override of a key sets a section, a part of it, or what it is a part of."""
+    group, _, package = key.lstrip("+~").partition("@")
     key = package or group
     return f"{key}.".startswith(f"{path}.") or f"{path}.".startswith(f"{key}.")
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
+from functools import cache
 from itertools import product
 from string import Formatter
 from typing import Any
@@ -57,10 +58,18 @@ def drafted(node: Node, study: Any) -> Draft:
 
 def paths(read: str, which: Mapping[str, Any]) -> Iterator[str]:
     """Yield the key paths that a declared read stands for; none where a field in it has no value."""
-    names = [name for _, name, _, _ in Formatter().parse(read) if name]
+    names = _fields(read)
+    if not names:
+        yield read
+        return
     choices = [_words(which[name]) for name in names]
     for words in product(*choices):
         yield read.format(**dict(zip(names, words, strict=True)))
+
+
+@cache
+def _fields(read: str) -> tuple[str, ...]:
+    return tuple(name for _, name, _, _ in Formatter().parse(read) if name)
 
 
 def _words(value: Any) -> list[Any]:
@@ -85,17 +94,17 @@ def plain(value: Any) -> Any:
     return value
 
 
+_REFERENCE = {"from", "value"}
+
+
 def references(values: Any) -> Iterator[str]:
     """Yield the step of every reference `{from: step, value: name}` in plain data."""
-    if isinstance(values, Mapping):
-        if set(values) == {"from", "value"}:
-            yield str(values["from"])
-            return
-        for value in values.values():
-            yield from references(value)
-    elif isinstance(values, list | tuple):
-        for value in values:
-            yield from references(value)
+    if isinstance(values, dict) and values.keys() == _REFERENCE:
+        yield str(values["from"])
+    elif isinstance(values, dict | list | tuple):
+        for value in values.values() if isinstance(values, dict) else values:
+            if not isinstance(value, str | float | int):
+                yield from references(value)
 
 
 def needed(nodes: Sequence[Draft], only_if_asked: Collection[str]) -> list[Draft]:

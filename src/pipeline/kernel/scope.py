@@ -26,6 +26,16 @@ def view(root: Any, reads: Iterable[str]) -> Any:
     return _Part(root, tuple(reads), "")
 
 
+_MEMBERS: dict[tuple[type, str], Any] = {}
+
+
+def member(record: type, name: str) -> Any:
+    """Return what a class holds under a name, property or function as it stands there; None without one."""
+    if (record, name) not in _MEMBERS:
+        _MEMBERS[record, name] = inspect.getattr_static(record, name, None)
+    return _MEMBERS[record, name]
+
+
 class _View:
     """What a view of a record and one of a mapping share."""
 
@@ -53,7 +63,7 @@ class _Part(_View):
             self.model_dump()
         if name.startswith("__"):
             raise AttributeError(name)
-        found = inspect.getattr_static(type(self._value), name, None)
+        found = member(type(self._value), name)
         if isinstance(found, property) and found.fget is not None:
             return found.fget(self)
         if isinstance(found, FunctionType):

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import pkgutil
 from collections.abc import Mapping, Sequence
+from functools import cache
 from importlib import import_module
 from typing import Annotated, Any, Protocol, cast
 
@@ -29,9 +30,10 @@ class Algorithm(Protocol):
         """Run one search."""
 
 
-def names() -> list[str]:
+@cache
+def names() -> tuple[str, ...]:
     """Return the names of all algorithms."""
-    return sorted(module.name for module in pkgutil.iter_modules(algorithms.__path__))
+    return tuple(sorted(module.name for module in pkgutil.iter_modules(algorithms.__path__)))
 
 
 def module_name(kind: str) -> str:
