@@ -11,6 +11,7 @@ from pathlib import Path
 
 import pytest
 
+from pipeline.experiments.reporting import announce
 from pipeline.kernel import digest
 from tests.workflow.conftest import Project
 
@@ -118,13 +119,13 @@ DAMAGE: dict[str, Callable[[Project], str]] = {
 
 
 def _hashes(project: Project) -> dict[str, str]:
-    """Return the digests of all that a run makes and shows."""
+    """Return the digests of all that a run makes and shows, but for what says when a page was published."""
     rooms = (project.folder / "results" / "store", project.folder / "results" / RUN, project.folder / "reports" / RUN)
     return {
         path.relative_to(project.folder).as_posix(): digest.of_file(path)
         for room in rooms
         for path in room.rglob("*")
-        if path.is_file()
+        if path.is_file() and path.name != announce.RUN
     }
 
 
