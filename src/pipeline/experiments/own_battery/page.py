@@ -123,28 +123,32 @@ def _errors(data: ReportData) -> ReportTable:
 
 
 def _limits(data: ReportData) -> list[ReportTable]:
-    names, errors = _names(data), _rows(data, "own_fit", "errors")
-    rows = list(_rows(data, "own_fit", "limits"))
+    names, rows = _names(data), list(_rows(data, "own_fit", "limits"))
     if not rows:
         return []
-    as_is = {
-        int(row["file"]): 1e3 * float(row["rmse"])
-        for row in errors
-        if row["quantity"] == "voltage" and row["part"] == "held out"
-    }
-    shown: list[tuple[Cell, ...]] = [(names[place], "nothing: the prediction", rmse) for place, rmse in as_is.items()]
-    shown += [(names[int(row["file"])], str(row["freed"]), 1e3 * float(row["rmse_v"])) for row in rows]
-    best = min(rows, key=lambda row: float(row["rmse_v"]))
-    alone = min((row for row in rows if " and " not in str(row["freed"])), key=lambda row: float(row["rmse_v"]))
-    before = as_is[int(alone["file"])]
+    whole = [
+        row for row in _rows(data, "own_fit", "errors") if row["part"] == "held out" and row["quantity"] == "voltage"
+    ]
+    shown: list[tuple[Cell, ...]] = []
+    said, is_left = [], False
+    for place, before in ((int(row["file"]), 1e3 * float(row["rmse"])) for row in whole):
+        found = {str(row["freed"]): 1e3 * float(row["rmse_v"]) for row in rows if int(row["file"]) == place}
+        if not found:
+            continue
+        shown += [(names[place], "nothing: the prediction", before), *((names[place], *one) for one in found.items())]
+        alone = min((freed for freed in found if " and " not in freed), key=lambda freed: found[freed])
+        verb = "matter" if alone.endswith("s") else "matters"
+        said.append(
+            f"{names[place]}: of single parts {alone} {verb} most, {before:.0f} mV become {found[alone]:.0f} mV; "
+            f"at best {min(found.values()):.0f} mV are left, which no such change takes away."
+        )
+        is_left |= min(found.values()) > 0.7 * before
     return [
         ReportTable(
             "limits",
             "What limits the prediction",
-            f"The error with one part of the card found from the held-out file itself, the rest as it was fitted; none "
-            f"of it is in the card. Of single parts {alone['freed']} matters most: {before:.0f} mV become "
-            f"{1e3 * float(alone['rmse_v']):.0f} mV; at best {1e3 * float(best['rmse_v']):.0f} mV are left, which no "
-            f"such change takes away.{_form(data, float(best['rmse_v']) > 0.7e-3 * before)}",
+            "The error with one part of the card found from the held-out file itself, the rest as it was fitted; none "
+            f"of it is in the card. {' '.join(said)}{_form(data, is_left)}",
             ("file", "found from it", "rmse / mV"),
             tuple(shown),
             grouped=True,

@@ -29,8 +29,8 @@ def lines(run: Mapping[str, Any], steps: Collection[str], results: Path) -> Iter
     for part, place, quantity, unit, rmse in _rows(folder, "errors", "part", "file", "quantity", "unit", "rmse"):
         if quantity != "temperature":
             yield f"{part}: {quantity} of {names[int(place)]} met to {1e3 * float(rmse):.3g} m{unit} (rmse)"
-    for _, freed, rmse in _rows(folder, "limits", "file", "freed", "rmse_v"):
-        yield f"held out, with {freed} found from what was held out: {1e3 * float(rmse):.3g} mV"
+    for place, freed, rmse in _rows(folder, "limits", "file", "freed", "rmse_v"):
+        yield f"held out, {names[int(place)]}, with {freed} found from it: {1e3 * float(rmse):.3g} mV"
     told = _rows(folder, "parameters", "path", "how", "identified")
     untold = [str(path) for path, _, identified in told if ".value." not in str(path) and not identified]
     if untold:
