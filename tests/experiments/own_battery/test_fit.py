@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 import yaml
 
-from pipeline.cell.circuit import CELL, ZERO_CELSIUS_K, compile_cell
+from pipeline.cell.circuit import CELL, GAS_CONSTANT, ZERO_CELSIUS_K, compile_cell
 from pipeline.cell.records import Battery, Polynomial
 from pipeline.config.planning import run_of
 from pipeline.config.sources import Source, split
@@ -374,7 +374,42 @@ def test_a_charging_voltage_of_another_kind_of_cell_is_remarked() -> None:
 def test_what_limits_a_prediction_is_found_from_what_was_held_out() -> None:
     series = made(LFP, 0.8, pulsed(8.0, 2, 300), np.random.default_rng(1))
     one = record(series, LFP, 0.8, np.ones(len(series.time_s), dtype=bool))
-    found = {freed: error for _, freed, error in own_fit._limits(LFP, [one], [0.55], 3.0)}
+    records = [record(series, LFP, 0.8), one]
+    found = {freed: error for _, freed, error in own_fit._limits(LFP, records, [0.8, 0.55], 3.0)}
     # The card is right and the charge at the start is not: that alone takes the error away.
     assert found["the charge at its start"] < 1.3e-3
     assert found["the resistances"] > 3.0 * found["the charge at its start"]
+
+
+def test_how_resistances_follow_temperature_is_told_by_a_file_at_another_one() -> None:
+    cold = LFP.model_copy(update={"entropic_coefficient_v_k": 0.0})
+    energy, warmer_k = 20e3, 20.0
+    kelvin = np.array([AMBIENT_C, AMBIENT_C + warmer_k]) + ZERO_CELSIUS_K
+    factor = float(np.exp(energy / GAS_CONSTANT * (1.0 / kelvin[1] - 1.0 / kelvin[0])))
+    # The battery of the law at 42 degC is, but for the heat of its own pulses, one of smaller resistances.
+    pairs = {
+        name: pair.model_copy(update={"resistance_ohm": _scaled(pair.resistance_ohm, factor)})
+        for name, pair in cold.pairs.items()
+    }
+    smaller = cold.model_copy(
+        update={"series_resistance_ohm": _scaled(cold.series_resistance_ohm, factor), "pairs": pairs}
+    )
+    rng = np.random.default_rng(4)
+    series = [made(battery, 0.8, pulsed(8.0, 2, 300), rng) for battery in (cold, smaller)]
+    warm = series[1]._replace(
+        temperature_c=series[1].temperature_c + warmer_k, ambient_c=series[1].ambient_c + warmer_k
+    )
+    every = np.ones(len(warm.time_s), dtype=bool)
+    records = [record(series[0], cold, 0.8), record(warm, cold, 0.8, every)]
+    found = {freed: error for _, freed, error in own_fit._limits(cold, records, [0.8, 0.8], 3.0)}
+    assert found["how the resistances follow temperature"] < 1.3e-3
+    assert found["the charge at its start"] > 3e-3
+    # At the temperature of the fit it is not asked.
+    same = [records[0], record(series[1], cold, 0.8, every)]
+    assert "how the resistances follow temperature" not in {
+        one[1] for one in own_fit._limits(cold, same, [0.8, 0.8], 3.0)
+    }
+
+
+def _scaled(curve: Any, factor: float) -> Any:
+    return curve.model_copy(update={"scale": factor * curve.scale})

@@ -18,7 +18,7 @@ from pipeline.experiments.own_battery.outcome import Fitted, Record
 from pipeline.experiments.own_battery.reading import Series
 from pipeline.experiments.own_battery.records import Fit
 from pipeline.experiments.own_battery.segments import Segment, Thinned, thinned, whole, with_held_voltages
-from pipeline.experiments.own_battery.structures import compare, folds, structures
+from pipeline.experiments.own_battery.structures import compare, folds, structures, warmed
 from pipeline.experiments.own_battery.tables import FITTED_NUMBERS
 from pipeline.experiments.own_battery.unknowns import SOC, Model, unknowns_of
 from pipeline.kernel.artefacts import Inputs, Output
@@ -195,6 +195,11 @@ _FREED = {
 }
 
 
+_ENERGY = (".activation_energy_j_mol",)
+_WARMER_K = 3.0
+"""Between the seen and the held-out temperatures, from where on a law of the resistances over temperature is told."""
+
+
 def _limits(
     best: Battery, records: Sequence[Record], socs: Sequence[float], robust: float
 ) -> Iterator[tuple[int, str, float]]:
@@ -202,19 +207,33 @@ def _limits(
 
     Nothing of it goes into the card: it tells which part keeps the prediction from being better.
     """
+    seen_c = float(np.mean([_mean_c(one) for one in records if not one.held_out.all()]))
     for place, one in enumerate(records):
         if not one.held_out.all():
             continue
-        seen = np.ones(len(one.thinned.kept), dtype=bool)
-        part = Part(one.thinned, seen, np.full(len(seen), -1))
-        spacing, length = float(np.median(np.diff(one.series.time_s))), float(one.series.time_s[-1])
-        whole_model = unknowns_of(best, [socs[place]], (spacing, 0.1 * length), False, {}, [False])
         for name, freed in _FREED.items():
-            others = [path for path in whole_model.paths if not path.startswith(freed)]
-            problem = Problem(whole_model.without(others), [part], Spread(0.01 * best.cells, 1.0))
-            card_then, soc_then = problem.model.card(solve(problem, robust=robust, most=30).vector)
-            volts = _replayed(card_then, whole(one.series, one.ambient_c), soc_then[0])[0]
-            yield place, name, math.sqrt(float(np.mean((volts - one.series.voltage_v) ** 2)))
+            yield place, name, _error_with(best, one, socs[place], freed, robust)
+        if abs(_mean_c(one) - seen_c) >= _WARMER_K:
+            law = warmed(best, seen_c)
+            yield place, "how the resistances follow temperature", _error_with(law, one, socs[place], _ENERGY, robust)
+
+
+def _mean_c(one: Record) -> float:
+    measured = one.series.temperature_c[~np.isnan(one.series.temperature_c)]
+    return float(measured.mean()) if len(measured) else one.ambient_c
+
+
+def _error_with(battery: Battery, one: Record, soc: float, freed: Sequence[str], robust: float) -> float:
+    """Return the error of a record [V] with some numbers of a card found from it: those with such words in the path."""
+    seen = np.ones(len(one.thinned.kept), dtype=bool)
+    part = Part(one.thinned, seen, np.full(len(seen), -1))
+    spacing, length = float(np.median(np.diff(one.series.time_s))), float(one.series.time_s[-1])
+    model = unknowns_of(battery, [soc], (spacing, 0.1 * length), False, {}, [False])
+    others = [path for path in model.paths if not any(word in path for word in freed)]
+    problem = Problem(model.without(others), [part], Spread(0.01 * battery.cells, 1.0))
+    card_then, soc_then = problem.model.card(solve(problem, robust=robust, most=30).vector)
+    volts = _replayed(card_then, whole(one.series, one.ambient_c), soc_then[0])[0]
+    return math.sqrt(float(np.mean((volts - one.series.voltage_v) ** 2)))
 
 
 def _overlay(output: Output, best: Battery, records: Sequence[Record], socs: Sequence[float]) -> dict[str, list[Any]]:

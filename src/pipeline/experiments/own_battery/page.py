@@ -137,7 +137,7 @@ def _limits(data: ReportData) -> list[ReportTable]:
             continue
         shown += [(names[place], "nothing: the prediction", before), *((names[place], *one) for one in found.items())]
         alone = min((freed for freed in found if " and " not in freed), key=lambda freed: found[freed])
-        verb = "matter" if alone.endswith("s") else "matters"
+        verb = "matter" if alone == "the resistances" else "matters"
         said.append(
             f"{names[place]}: of single parts {alone} {verb} most, {before:.0f} mV become {found[alone]:.0f} mV; "
             f"at best {min(found.values()):.0f} mV are left, which no such change takes away."

@@ -162,8 +162,16 @@ def _on_grid(curve: Curve, points: int) -> dict[str, Any]:
     return {"soc": grid.tolist(), "value": [value_of(curve, float(soc)) for soc in inside], "scale": 1.0}
 
 
-def _warmed(tree: dict[str, Any], battery: Battery) -> dict[str, Any]:
-    law = {"activation_energy_j_mol": _ENERGY_J_MOL, "reference_temperature_c": 25.0}
+def warmed(battery: Battery, reference_c: float, energy_j_mol: float = 0.0) -> Battery:
+    """Return a card whose resistances follow temperature where they did not, the same one at the reference [degC]."""
+    tree = _warmed(battery.model_dump(by_alias=True), battery, reference_c, energy_j_mol)
+    return Battery.model_validate(tree)
+
+
+def _warmed(
+    tree: dict[str, Any], battery: Battery, reference_c: float = 25.0, energy_j_mol: float = _ENERGY_J_MOL
+) -> dict[str, Any]:
+    law = {"activation_energy_j_mol": energy_j_mol, "reference_temperature_c": reference_c}
     if battery.series_resistance_temperature is None:
         tree["series_resistance_temperature"] = law
     for pair in tree["pairs"].values():
