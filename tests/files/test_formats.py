@@ -146,6 +146,36 @@ def test_every_encoding_is_read(tmp_path):
     assert len(found) == 1
 
 
+OF_OTHER_PROGRAMS = {
+    "MATLAB file": b"MATLAB 5.0 MAT-file, Platform: GLNXA64" + bytes(90),
+    "BioLogic .mpr file": b"BIO-LOGIC MODULAR FILE\x1a" + bytes(40),
+    "Neware .nda file": b"NEWARE" + bytes(40),
+    "Access database": b"\x00\x01\x00\x00Standard Jet DB\x00" + bytes(40),
+    "SQLite database": b"SQLite format 3\x00" + bytes(40),
+    "netCDF or HDF5 file": b"\x89HDF\r\n\x1a\n" + bytes(40),
+    "holds zero bytes": bytes(range(256)) * 4,
+    "holds control characters": bytes(range(1, 32)) * 9,
+}
+
+
+@pytest.mark.parametrize("packed", [False, True])
+@pytest.mark.parametrize("kind", OF_OTHER_PROGRAMS)
+def test_files_of_other_programs_are_told_by_what_they_are(tmp_path, kind, packed):
+    path = tmp_path / "own.csv"
+    data = OF_OTHER_PROGRAMS[kind]
+    path.write_bytes(gzip.compress(data) if packed else data)
+    with pytest.raises(UserError, match=kind):
+        weather_day(card(path))
+
+
+def test_a_table_may_begin_with_the_name_of_what_wrote_it(tmp_path):
+    path = tmp_path / "own.csv"
+    path.write_text("MATLAB export of 2024\n" + makers.open_meteo())
+    plain = tmp_path / "plain.csv"
+    plain.write_text(makers.open_meteo())
+    assert energy_wh_m2(path) == energy_wh_m2(plain)
+
+
 TABLES = {
     "pvwatts": {"place": PLACE},
     "open_meteo": {},

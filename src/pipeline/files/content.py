@@ -32,7 +32,18 @@ _OTHERS = {
     b"GRIB": "a GRIB file",
     b"%PDF": "a PDF file",
     _OLD_EXCEL: "an Excel file of before 2007",
+    b"\x00\x01\x00\x00Standard ": "an Access database (an Arbin .res file is one)",
+    b"SQLite format 3\x00": "an SQLite database",
+    b"ARROW1": "an Arrow (Feather) file",
+    b"\x93NUMPY": "a numpy file",
+    b"\x80\x04\x95": "a Python pickle",
+    b"\x89PNG": "a PNG picture",
+    b"\xff\xd8\xff": "a JPEG picture",
 }
+_NAMED = {b"MATLAB": "a MATLAB file", b"BIO-LOGIC": "a BioLogic .mpr file", b"NEWARE": "a Neware .nda file"}
+"""With zero bytes after the name; a table in text may begin with the name of what wrote it, too."""
+_CONTROLS = bytes(set(range(32)) - set(b"\t\n\r\f\x1a\x1b"))
+"""What no text holds; a form feed, the end mark of old systems and colours of a terminal it may."""
 
 
 class Content(NamedTuple):
@@ -61,13 +72,13 @@ def load(path: Path, member: str | None = None) -> Content:
         data = path.read_bytes()
     except OSError as error:
         raise UserError(f"{path}: cannot be read ({error.strerror or error})") from None
-    for start, kind in _OTHERS.items():
-        if data.startswith(start):
-            raise UserError(f"{path}: is {kind}, which is not read; save it as CSV, Parquet or .xlsx")
+    _refuse_others(path, data)
     for start, kind, opener in _PACKED:
         if data.startswith(start):
             name = path.name.removesuffix(path.suffix) if Path(path.stem).suffix else path.name
-            return Content(path, name, _unpacked(path, kind, opener(io.BytesIO(data))), (f"packed with {kind}",))
+            inner = _unpacked(path, kind, opener(io.BytesIO(data)))
+            _refuse_others(path, inner)
+            return Content(path, name, inner, (f"packed with {kind}",))
     if data.startswith(_ZIP) and not is_excel(data):
         return _of_zip(path, data, member)
     return Content(path, path.name, data)
@@ -87,7 +98,7 @@ def is_excel(data: bytes) -> bool:
 def text_of(content: Content) -> tuple[str, tuple[str, ...]]:
     """Return the text and, where it is not plain UTF-8, how it was decoded.
 
-    A mark of byte order decides; then UTF-8; then UTF-16 where every other byte is zero; then Latin-1 as in Windows.
+    A mark of byte order decides; then UTF-16 where every other byte is zero; then UTF-8; then Latin-1 as in Windows.
 
     Raises
     ------
@@ -98,15 +109,25 @@ def text_of(content: Content) -> tuple[str, tuple[str, ...]]:
         if data.startswith(mark):
             return _decoded(content, encoding), () if encoding == "utf-8-sig" else ("encoded in UTF-16",)
     head = data[:4096]
-    if head.count(0) * 3 > len(head) > 3:
-        encoding = "utf-16-le" if head[1::2].count(0) > head[::2].count(0) else "utf-16-be"
-        return _decoded(content, encoding), ("encoded in UTF-16 without a mark",)
+    halves = {"utf-16-be": (head[::2], head[1::2]), "utf-16-le": (head[1::2], head[::2])}
+    for encoding, (upper, lower) in halves.items():
+        # Of a table in UTF-16 nearly all characters have an upper byte of zero, and none is zero.
+        if len(head) > 3 and upper.count(0) > 0.8 * len(upper) and not lower.count(0):
+            return _decoded(content, encoding), ("encoded in UTF-16 without a mark",)
     if 0 in head:
         raise UserError(f"{content.path}: no text, no Parquet and no Excel file: it holds zero bytes")
+    if len(head) - len(head.translate(None, _CONTROLS)) > 0.01 * len(head):
+        raise UserError(f"{content.path}: no text, no Parquet and no Excel file: it holds control characters")
     try:
         return data.decode("utf-8"), ()
     except UnicodeDecodeError:
         return data.decode("cp1252", errors="replace"), ("encoded in Latin-1 (Windows-1252)",)
+
+
+def _refuse_others(path: Path, data: bytes) -> None:
+    for start, kind in (_OTHERS | _NAMED if 0 in data[:1024] else _OTHERS).items():
+        if data.startswith(start):
+            raise UserError(f"{path}: is {kind}, which is not read; save it as CSV, Parquet or .xlsx")
 
 
 def _refuse_no_file(path: Path) -> None:
@@ -148,6 +169,7 @@ def _of_zip(path: Path, data: bytes, member: str | None) -> Content:
             chosen = held[0] if member is None else member
             with archive.open(chosen) as file:
                 inner = _unpacked(path, "zip", file)  # type: ignore[arg-type]
+        _refuse_others(path, inner)
     except (zipfile.BadZipFile, RuntimeError, NotImplementedError) as error:
         raise UserError(f"{path}: is a zip archive that cannot be unpacked ({error})") from None
     return Content(path, Path(chosen).name, inner, (f"{chosen} of a zip archive",))
