@@ -1,5 +1,8 @@
 """The words that `python -m pipeline` understands."""
 
+import sys
+from pathlib import Path
+
 COMMANDS = {
     **{name: f"{name}.main" for name in ("run", "compare", "reproduce", "report", "store", "validate", "steps")},
     "compare-modes": "compare_modes.main",
@@ -8,3 +11,9 @@ COMMANDS = {
     "completion": "looking.main",
 }
 """Word -> its function in a module here, `function(arguments) -> exit code`."""
+
+
+def typed(word: str = "") -> str:
+    """Return how a person types a word here: with the installed command, or with Python where that was typed."""
+    command = "charge-pipeline" if Path(sys.argv[0]).stem == "charge-pipeline" else "python -m pipeline"
+    return f"{command} {word}".rstrip()

@@ -9,6 +9,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from pipeline.commands import typed
 from pipeline.errors import UserError
 from pipeline.kernel import digest, publish
 
@@ -25,7 +26,7 @@ class Listed:
 
 def main(arguments: Sequence[str]) -> int:
     """Compare two runs, or every run of two results folders; return 0 where all artefacts are equal, else 1."""
-    parser = argparse.ArgumentParser(prog="python -m pipeline compare", description=__doc__)
+    parser = argparse.ArgumentParser(prog=typed("compare"), description=__doc__)
     parser.add_argument("first", type=Path, help="a run's folder with manifest.json, or a results folder")
     parser.add_argument("second", type=Path, help="the other one")
     parser.add_argument("--trust-manifest", action="store_true", help="compare the manifests, read no artefact")

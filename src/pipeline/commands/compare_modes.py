@@ -17,6 +17,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 from pipeline.charge.comparison import peak_current_a
 from pipeline.charge.feasible import notices
+from pipeline.commands import typed
 from pipeline.commands.terminal import table_lines
 from pipeline.commands.workflow import say
 from pipeline.config.choices import parse
@@ -73,7 +74,7 @@ class Measure(NamedTuple):
 def main(arguments: Sequence[str]) -> int:
     """Charge, print the answer and a table, write the page; return 0."""
     parser = argparse.ArgumentParser(
-        prog="python -m pipeline compare-modes",
+        prog=typed("compare-modes"),
         description=__doc__,
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
@@ -155,7 +156,7 @@ def _charged(
 
         for target in sorted(map(str, targets)):
             words = [f"study={missing.study}", "-t", target]
-            say(f"a mode waits for a value that is found once: python -m pipeline {' '.join(words)}")
+            say(f"a mode waits for a value that is found once: {typed(' '.join(words))}")
             if make(words):
                 raise UserError(f"what {' and '.join(missing.steps)} finds could not be made; give a number") from None
     return charges.side_by_side(battery, modes, panel=fed, **choices)

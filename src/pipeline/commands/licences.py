@@ -10,6 +10,7 @@ from importlib import metadata
 from pathlib import Path
 from typing import Any, NamedTuple
 
+from pipeline.commands import typed
 from pipeline.commands.terminal import table_lines
 from pipeline.errors import UserError
 from pipeline.kernel.places import LOCK_FILE, PROJECT
@@ -58,7 +59,7 @@ class Licence(NamedTuple):
 
 def main(arguments: Sequence[str]) -> int:
     """Print the licences, at the end those with a copyleft again, or write the table of the documentation; return 0."""
-    parser = argparse.ArgumentParser(prog="python -m pipeline licences", description=__doc__)
+    parser = argparse.ArgumentParser(prog=typed("licences"), description=__doc__)
     parser.add_argument("--write", action="store_true", help=f"write the table in {DOCS}")
     found = list(licences())
     if parser.parse_args(arguments).write:

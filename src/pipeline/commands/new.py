@@ -7,6 +7,7 @@ from collections.abc import Iterator, Sequence
 from pathlib import Path
 from string import Template
 
+from pipeline.commands import typed
 from pipeline.errors import UserError
 from pipeline.kernel import registry
 from pipeline.kernel.places import INSTALLED, PROJECT
@@ -27,7 +28,7 @@ PLACES = {
 
 def main(arguments: Sequence[str]) -> int:
     """Write the skeleton; return 0."""
-    parser = argparse.ArgumentParser(prog="python -m pipeline new", description=__doc__)
+    parser = argparse.ArgumentParser(prog=typed("new"), description=__doc__)
     parser.add_argument("what", choices=["experiment"], help="what to write")
     parser.add_argument("name", help="its name: small letters, digits and underscores")
     choices = parser.parse_args(arguments)
@@ -37,7 +38,7 @@ def main(arguments: Sequence[str]) -> int:
     print(
         f"run it:   snakemake --cores 2 {name}_study\n"
         f"test it:  python -m pytest tests/experiments/{name}\n"
-        f"see it:   python -m pipeline steps {name}"
+        f"see it:   {typed('steps')} {name}"
     )
     return 0
 

@@ -10,6 +10,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
+from pipeline.commands import typed
 from pipeline.config.compose import cards
 from pipeline.errors import UserError
 from pipeline.kernel.places import PROJECT
@@ -23,7 +24,7 @@ BEGIN, END = "<!-- studies: begin -->", "<!-- studies: end -->"
 
 def main(arguments: Sequence[str]) -> int:
     """Write the answers, counts and pictures of the shipped studies; return 1 where --check finds others."""
-    parser = argparse.ArgumentParser(prog="python -m pipeline readme", description=__doc__)
+    parser = argparse.ArgumentParser(prog=typed("readme"), description=__doc__)
     parser.add_argument("--check", action="store_true", help="write nothing; tell what would be written otherwise")
     choices = parser.parse_args(arguments)
     files = list(_files(list(_found(Path(REPORTS)))))

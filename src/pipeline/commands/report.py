@@ -13,6 +13,7 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
+from pipeline.commands import typed
 from pipeline.commands.terminal import say, table_lines
 from pipeline.config.naming import run_name
 from pipeline.errors import UserError, best_matches
@@ -26,7 +27,7 @@ from pipeline.report.pages import TRACES
 
 def main(arguments: Sequence[str]) -> int:
     """Print a run's verdicts, or write its page as one file; return 0."""
-    parser = argparse.ArgumentParser(prog="python -m pipeline report", description=__doc__)
+    parser = argparse.ArgumentParser(prog=typed("report"), description=__doc__)
     words = "study/run (%(default)s), or a run of a sweep"
     parser.add_argument("run", nargs="?", default="solar_reflex/default", help=words)
     parser.add_argument("--single-file", type=Path, metavar="FILE", help="write the page with all it shows in one file")

@@ -19,6 +19,7 @@ from pathlib import Path
 from typing import Any
 
 from pipeline.commands import expected as expectation
+from pipeline.commands import typed
 from pipeline.commands.expected import Comparison, Recorded
 from pipeline.commands.run import cores
 from pipeline.config.naming import run_name
@@ -56,7 +57,7 @@ def main(arguments: Sequence[str]) -> int:
 
 def _parser() -> argparse.ArgumentParser:
     parser = argparse.ArgumentParser(
-        prog="python -m pipeline reproduce",
+        prog=typed("reproduce"),
         description="Runs the studies cold in a fresh folder, with another number of cores, hash seed, time zone, "
         "locale and umask, and compares with what is expected: bytes where the machine is the recorded one, else "
         "numbers within what their tables declare, and found values and verdicts.",

@@ -12,7 +12,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from typing import Any
 
-from pipeline.commands import COMMANDS, profiles
+from pipeline.commands import COMMANDS, profiles, typed
 from pipeline.commands.progress import shown, through
 from pipeline.commands.terminal import QUIET
 from pipeline.commands.workflow import say, tell
@@ -32,14 +32,13 @@ INSTEAD = {
 }
 """Option of Hydra that is none here -> what takes its place."""
 _QUIET = ["--quiet", *QUIET]
-EXAMPLES = """\
-examples:
-  python -m pipeline                                            the default study
-  python -m pipeline battery=lead_acid_12v18ah                  another battery
-  python -m pipeline modes.cv_reflex.frequency_hz=50            another pulse frequency
-  python -m pipeline 'modes.run=[cc_cv,cv_reflex]'              two modes only
-  python -m pipeline -m battery=lead_acid_12v7ah,lead_acid_12v18ah   a sweep: one plan, shared steps once
-"""
+EXAMPLES = {
+    "": "the default study",
+    "battery=lead_acid_12v18ah": "another battery",
+    "modes.cv_reflex.frequency_hz=50": "another pulse frequency",
+    "'modes.run=[cc_cv,cv_reflex]'": "two modes only",
+    "-m battery=lead_acid_12v7ah,lead_acid_12v18ah": "a sweep: one plan, shared steps once",
+}
 
 
 def main(arguments: Sequence[str]) -> int:
@@ -50,7 +49,7 @@ def main(arguments: Sequence[str]) -> int:
     options_, overrides = parser.parse_known_intermixed_args(_with_kind(arguments))
     unknown = [word for word in overrides if word.startswith("-")]
     if unknown:
-        raise UserError(f"option {unknown[0]}: unknown; see python -m pipeline --help")
+        raise UserError(f"option {unknown[0]}: unknown; see {typed('--help')}")
     if not options_.cfg:
         for name in (name for name in ("resolve", "package") if getattr(options_, name)):
             raise UserError(f"option --{name}: of what --cfg prints; give --cfg beside it")
@@ -220,10 +219,11 @@ def _parser(listing: bool) -> argparse.ArgumentParser:
         from pipeline.config.compose import groups, options
 
         available = "\n".join(f"  {group:<12} {', '.join(options(group))}" for group in groups())
+    examples = "\n".join(f"  {typed(words):<66} {meaning}" for words, meaning in EXAMPLES.items())
     parser = argparse.ArgumentParser(
-        prog="python -m pipeline",
+        prog=typed(),
         description=f"Battery charging studies. Other words: {', '.join(COMMANDS)}; each has --help.",
-        epilog=f"{EXAMPLES}\nconfiguration groups (group=option):\n{available}",
+        epilog=f"examples:\n{examples}\n\nconfiguration groups (group=option):\n{available}",
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
     parser.add_argument("overrides", nargs="*", metavar="key=value", help="Hydra overrides of conf/")
