@@ -5,6 +5,8 @@ from __future__ import annotations
 from typing import Any, NamedTuple
 
 import numpy as np
+from numba import types
+from numba.extending import intrinsic
 from numpy.typing import NDArray
 
 from pipeline.charge.books import GAINS, new_book
@@ -55,6 +57,7 @@ class Lot(NamedTuple):
     begin, end : rows of samples, phases, points, marks and windows that are each charge's own.
     start, state, at : state at the start and at the end, and the last step's quantities.
     settled : numbers of `Settled`.
+    turn : the row that is run next, whichever thread comes first; an array of one.
     """
 
     cells: NDArray[Any]
@@ -85,6 +88,7 @@ class Lot(NamedTuple):
     counts: Whole
     end_s: Array
     status: Whole
+    turn: Whole
 
     def book(self, row: int) -> Book:
         """Return what a charge has written."""
@@ -172,7 +176,7 @@ def new_lot(
         np.zeros((count, GAINS)), np.zeros((count, GAINS)), np.zeros((count, 1)), np.zeros((count, PARTS)),
         np.zeros((count, PARTS)), np.zeros((count, QUANTITIES, 4)), np.zeros((count, len(Settled._fields))),
         np.zeros((count, COUNTS), dtype=np.int64),
-        np.zeros(count), np.zeros(count, dtype=np.int64),
+        np.zeros(count), np.zeros(count, dtype=np.int64), np.zeros(1, dtype=np.int64),
     )  # fmt: skip
 
 
@@ -187,9 +191,20 @@ def _clear(scratch: Book) -> None:
     scratch.peak_k[0] = 0.0
 
 
+@intrinsic
+def _take_turn(typing: Any, counter: Any) -> Any:
+    """Return the number in an array of one and raise it by one, in one go: no two threads get the same."""
+
+    def made(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
+        array = context.make_array(signature.args[0])(context, builder, arguments[0])
+        return builder.atomic_rmw("add", array.data, context.get_constant(types.int64, 1), "seq_cst")
+
+    return types.int64(counter), made
+
+
 @kernel
-def run_lot(lot: Lot, desk: Desk, control: Control, first: int, last: int) -> None:
-    """Run some charges of a lot, each to its end or to where it cannot go on.
+def run_lot(lot: Lot, desk: Desk, control: Control) -> None:
+    """Run charges of a lot, each to its end or to where it cannot go on, until none is left that nobody has begun.
 
     Arguments
     ---------
@@ -198,7 +213,10 @@ def run_lot(lot: Lot, desk: Desk, control: Control, first: int, last: int) -> No
     """
     programs, place = lot.programs, desk.scratch
     run, clock = desk.runs[0], desk.clocks[0]
-    for row in range(first, last):
+    while True:
+        row: int = _take_turn(lot.turn)  # type: ignore[call-arg]
+        if row >= len(lot.status):
+            break
         copy(desk.run_words, desk.fresh_run)
         copy(desk.stride_words, desk.fresh_stride)
         copy(desk.clock_words, desk.fresh_clock)
