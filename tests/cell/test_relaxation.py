@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from scipy.integrate import quad
 
-from pipeline.cell.relaxation import LAGRANGE, NODES, RADAU, fill
+from pipeline.cell.relaxation import LAGRANGE, NODES, RADAU, fill, fill_moments
 from pipeline.charge.state import new_run
 
 RATIOS = [1e-7, 1e-3, 0.3, 2.99, 3.01, 30.0, 1e5]
@@ -14,6 +14,7 @@ def weights(z, length=2.0):
     run = new_run()
     tau = np.full(8, length / z)
     fill(run, 0, length, tau, 1)
+    fill_moments(run, 0, tau, 1)
     return run
 
 

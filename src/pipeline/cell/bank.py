@@ -5,6 +5,7 @@ from __future__ import annotations
 import mmap
 from collections.abc import Sequence
 from functools import lru_cache
+from itertools import zip_longest
 from operator import attrgetter
 from typing import Any, NamedTuple
 
@@ -57,8 +58,8 @@ from pipeline.jit import new_record
 _CURVES = np.dtype(CURVE_FIELDS, align=True)
 _MOST_TABLES = 64
 _PRIVATE = {"flags": mmap.MAP_PRIVATE | mmap.MAP_ANONYMOUS} if hasattr(mmap, "MAP_PRIVATE") else {}
-# What of a cell only tables write and read.
-_TABLES_FROM, _TABLES_TO = CELL.fields["knots"][1], CELL.fields["warming"][1]  # type: ignore[index]
+# What of a cell only tables write and read, of curves and of factors; the latter lie at the end.
+_TABLES_FROM, _TABLES_TO, _FACTORS_FROM = (CELL.fields[name][1] for name in ("knots", "warming", "factor_knots_k"))  # type: ignore[index]
 
 
 def new_room(count: int) -> NDArray[Any]:
@@ -120,7 +121,7 @@ def compile_cells(batteries: Sequence[Battery], room: NDArray[Any] | None = None
     columns = cells.view(CELL)
     octets = cells.view(np.uint8).reshape(len(batteries), CELL.itemsize)
     octets[:, :_TABLES_FROM] = 0
-    octets[:, _TABLES_TO:] = 0
+    octets[:, _TABLES_TO:_FACTORS_FROM] = 0
     parts = _Parts(*zip(*map(_OF_BATTERY, batteries), strict=True))
     ratios = zip(parts.in_use_ah, parts.capacity_ah, strict=True)
     scale = np.array([1.0 if in_use is None else in_use / own for in_use, own in ratios])
@@ -228,17 +229,18 @@ def _fill_curve(
     factor: NDArray[np.float64],
 ) -> None:
     """Write the curve of a row for each of some batteries, those of a shape together."""
-    shapes = [(type(curve), len(curve.polynomial) if type(curve) is Polynomial else 0) for curve in curves]
-    for shape, terms in dict.fromkeys(shapes):
-        own = [n for n, found in enumerate(shapes) if found == (shape, terms)]
+    shapes = list(map(type, curves))
+    for shape in dict.fromkeys(shapes):
+        own = [n for n, found in enumerate(shapes) if found is shape]
         alike: list[Any] = [curves[n] for n in own]
         at, factors = batteries[own], factor[own]
         if shape is Tabulated:
             _fill_tables(columns, at.tolist(), row, alike, factors.tolist())
         elif shape is Polynomial:
-            columns["kind"][at, row] = POLYNOMIAL if terms > 1 else CONSTANT
-            values = np.array([curve.polynomial for curve in alike], dtype=np.float64)
-            columns["parameters"][at, row, :terms] = factors[:, None] * values
+            terms = [curve.polynomial for curve in alike]
+            values = np.array(list(zip_longest(*terms, fillvalue=0.0)), dtype=np.float64)
+            columns["kind"][at, row] = np.where([len(one) > 1 for one in terms], POLYNOMIAL, CONSTANT)
+            columns["parameters"][at, row, : len(values)] = (factors * values).T
         elif shape in _SHAPES:
             number, scaled, left = _SHAPES[shape]
             values = np.array([[getattr(curve, name) for name in (*scaled, *left)] for curve in alike], np.float64)

@@ -16,8 +16,8 @@ from pipeline.charge.period import new_clock
 from pipeline.charge.program import Program
 from pipeline.charge.record_keeping import PHASE_COLUMNS, SAMPLE_COLUMNS, SUMS, WAVEFORM_COLUMNS, Book
 from pipeline.charge.settling import Settled, settle
-from pipeline.charge.state import DEPTH, HYSTERESIS, QUANTITIES, TEMPERATURE, new_run
-from pipeline.charge.stride import PARTS, copy, new_stride
+from pipeline.charge.state import DEPTH, HYSTERESIS, QUANTITIES, RUN, TEMPERATURE, new_run
+from pipeline.charge.stride import PARTS, STRIDE, copy, new_stride
 from pipeline.jit import by_reference, inlined, kernel
 
 Array = NDArray[np.float64]
@@ -180,6 +180,18 @@ def new_lot(
     )  # fmt: skip
 
 
+# Words of a run and of strides that are written before they are read, and most of both.
+_WEIGHTS = RUN.fields["decay"][1] // 8, RUN.fields["phi"][1] // 8  # type: ignore[index]
+_SYSTEM = STRIDE.fields["matrix"][1] // 8, STRIDE.fields["right"][1] // 8  # type: ignore[index]
+
+
+@inlined
+def _renew(words: Array, fresh: Array, written: tuple[int, int]) -> None:
+    """Make words what they are when fresh, but for those that are written before they are read."""
+    copy(words[: written[0]], fresh[: written[0]])
+    copy(words[written[1] :], fresh[written[1] :])
+
+
 @inlined
 def _clear(scratch: Book) -> None:
     scratch.filled[:] = 0
@@ -217,8 +229,8 @@ def run_lot(lot: Lot, desk: Desk, control: Control) -> None:
         row: int = _take_turn(lot.turn)  # type: ignore[call-arg]
         if row >= len(lot.status):
             break
-        copy(desk.run_words, desk.fresh_run)
-        copy(desk.stride_words, desk.fresh_stride)
+        _renew(desk.run_words, desk.fresh_run, _WEIGHTS)
+        _renew(desk.stride_words, desk.fresh_stride, _SYSTEM)
         copy(desk.clock_words, desk.fresh_clock)
         copy(desk.own_words, desk.fresh_clock)
         _clear(place)
