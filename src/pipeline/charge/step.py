@@ -194,7 +194,9 @@ def integrate(
             follow_hysteresis(cell, run)
         relax(cell, run, slot, bypassed)
         close(cell, run, control, target, run.near)
-        weak = control == CURRENT_CONTROL and cell.transfer == 0 and _coupling(cell, run, slot) < _WEAK
+        weak = control == CURRENT_CONTROL and cell.transfer == 0
+        if weak and cell.side == 1:
+            weak = _coupling(cell, run, slot) < _WEAK
         if not weak:
             correct(cell, run, slot, control, bypassed)
         # A main current far below the total is a difference of two that are not: known to their rounding only.

@@ -278,7 +278,12 @@ def _solve(stride: Stride, size: int) -> None:
             if factors[column, row] != 0.0:
                 right[row] -= factors[column, row] * right[column]
     for row in range(size - 1, -1, -1):
-        total = right[row]
-        for other in range(row + 1, size):
-            total -= matrix[row, other // 3, other % 3] * right[other]
-        right[row] = total / matrix[row, row // 3, row % 3]
+        block, lane, total = row // 3, row % 3, right[row]
+        own = matrix[row]
+        for n in range(lane + 1, 3):
+            total -= own[block, n] * right[3 * block + n]
+        for k in range(block + 1, size // 3):
+            total -= own[k, 0] * right[3 * k]
+            total -= own[k, 1] * right[3 * k + 1]
+            total -= own[k, 2] * right[3 * k + 2]
+        right[row] = total / own[block, lane]
