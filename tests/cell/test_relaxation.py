@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from scipy.integrate import quad
 
-from pipeline.cell.relaxation import LAGRANGE, NODES, RADAU, fill
+from pipeline.cell.relaxation import LAGRANGE, NODES, RADAU, fill, fill_moments, response
 from pipeline.charge.state import new_run
 
 RATIOS = [1e-7, 1e-3, 0.3, 2.99, 3.01, 30.0, 1e5]
@@ -14,6 +14,7 @@ def weights(z, length=2.0):
     run = new_run()
     tau = np.full(8, length / z)
     fill(run, 0, length, tau, 1)
+    fill_moments(run, 0, tau, 1)
     return run
 
 
@@ -72,3 +73,15 @@ def test_each_moment_is_the_integral_of_response_times_basis(z):
         assert run["start_moment"][0, 0, node] == pytest.approx(start, abs=1e-12)
         expected, _ = quad(lambda t, node=node: response(1, t) * basis(node, t), 0, 1, epsabs=1e-11)
         assert run["moment"][0, 0, 1, node] == pytest.approx(expected, abs=1e-10)
+
+
+def test_responses_side_by_side_are_those_one_by_one_to_the_last_bit():
+    random = np.random.default_rng(3)
+    for z in (*RATIOS, 0.0, *10.0 ** random.uniform(-9.0, 1.0, 300)):
+        run, row, phi = weights(z) if z else new_run(), np.empty(3), np.empty(8)
+        if not z:
+            fill(run, 0, 0.0, np.ones(8), 1)
+        exact = run["length_s"][0] / (2.0 / z) if z else 0.0
+        for j, theta in enumerate(NODES):
+            assert run["decay"][0, 0, j] == response(exact, theta, phi, row)
+            assert run["node"][0, 0, :, j].tolist() == row.tolist()

@@ -162,12 +162,15 @@ def test_the_batteries_of_a_population_are_compiled_as_each_by_itself():
     for order in (own, own[::-1], own[3:]):
         for compiled, one in zip(compile_cells(order, room), order, strict=True):
             alone = compile_cell(one)
-            for name in set(alone.dtype.names) - {"knots", "coefficients"}:
+            tables = {"pieces": ("knots", "coefficients"), "factor_pieces": ("factor_knots_k", "factor_coefficients")}
+            for name in set(alone.dtype.names) - {name for names in tables.values() for name in names}:
                 assert np.asarray(compiled[name]).tobytes() == np.asarray(alone[name]).tobytes(), name
             # What a table of another battery left behind the last piece is not read.
-            for row, pieces in enumerate(alone["pieces"]):
-                for name in ("knots", "coefficients"):
-                    assert compiled[name][row, :pieces].tobytes() == alone[name][row, :pieces].tobytes()
+            for counts, names in tables.items():
+                for row, pieces in enumerate(alone[counts]):
+                    # The last knot of factors ends their last piece.
+                    for name, reach in zip(names, (pieces + (pieces > 0 and "factor" in counts), pieces), strict=True):
+                        assert compiled[name][row, :reach].tobytes() == alone[name][row, :reach].tobytes()
 
 
 def random_battery(random):

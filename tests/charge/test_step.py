@@ -5,6 +5,7 @@ import pytest
 
 from pipeline.cell.circuit import compile_cell
 from pipeline.cell.records import Battery
+from pipeline.charge.energy import finish
 from pipeline.charge.segment import Demand, choose_control, commit, set_guess, try_step
 from pipeline.charge.state import DEPTH, TEMPERATURE, VOLTAGE_CONTROL, new_run
 from tests.charge.test_exact import PLAIN
@@ -20,6 +21,7 @@ def held(steps, length_s):
         assert run["control"] == VOLTAGE_CONTROL
         set_guess(cell, run, length_s / steps)
         assert try_step(cell, run, demand, 298.15, length_s / steps)
+        finish(cell, run, run["slot"], False, 298.15)
         commit(run)
     return run["state"][DEPTH] - 0.4
 

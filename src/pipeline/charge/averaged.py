@@ -198,7 +198,7 @@ def _take_in(cell: Cell, run: Run, stride: Stride, scratch: Book, period_s: floa
     if stride.part < stride.parts:
         nudge(stride, stride.part)
         return _RUN
-    stride.sloped, stride.fresh = 1, 1
+    stride.sloped, stride.fresh, stride.eliminated = 1, 1, 0
     return _CORRECT
 
 

@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 from pipeline.cell.circuit import Cell
+from pipeline.cell.relaxation import LAGRANGE
 from pipeline.charge.period import TICK, Clock
 from pipeline.charge.record_keeping import (
     HIGHEST_A,
@@ -14,6 +17,7 @@ from pipeline.charge.record_keeping import (
     Book,
     passes_mark,
     take_sample,
+    widen,
 )
 from pipeline.charge.state import DEPTH, TEMPERATURE, Run
 from pipeline.charge.stride import (
@@ -23,11 +27,22 @@ from pipeline.charge.stride import (
     GAINS_FROM,
     PEAK_K,
     Stride,
-    at_node_fraction,
     highest,
     passed_by,
 )
 from pipeline.jit import inlined, kernel
+
+
+class Moment(NamedTuple):
+    """A moment of a stride: the sums up to it of what is 1 at one node, and what is seen of a period there."""
+
+    a: float
+    b: float
+    c: float
+    lowest_v: float
+    highest_v: float
+    lowest_a: float
+    highest_a: float
 
 
 @kernel
@@ -37,32 +52,49 @@ def serve(cell: Cell, run: Run, book: Book, clock: Clock, stride: Stride, count:
     clock.periods += count
     clock.time_s = clock.course_start_s + clock.periods * clock.period_s
     _note_marks(book, stride, count, begin_s, length_s)
-    done = 0.0
+    seen = stride.seen
+    peak_k = max(highest(seen[0, PEAK_K], seen[1, PEAK_K], seen[2, PEAK_K]), seen[FIRST, PEAK_K])
+    done, before = 0.0, _moment(stride, count, 0.0)
     while clock.next_sample * clock.sample_interval_s < clock.time_s - TICK:
         time_s = clock.next_sample * clock.sample_interval_s
         theta = max(done, (time_s - begin_s) / length_s)
-        _add_span(book, stride, count, done, theta, clock.period_s)
-        run.state[DEPTH] = _part_at(stride, DEPTH, count, theta)
-        run.state[TEMPERATURE] = _part_at(stride, TEMPERATURE, count, theta)
+        here = _moment(stride, count, theta)
+        _add_span(book, stride, count, done, theta, clock.period_s, before, here, peak_k)
+        run.state[DEPTH] = _part_at(stride, DEPTH, here)
+        run.state[TEMPERATURE] = _part_at(stride, TEMPERATURE, here)
         take_sample(cell, run, book, time_s, clock.group)
         clock.next_sample += 1
-        done = theta
-    _add_span(book, stride, count, done, 1.0, clock.period_s)
-    changes = 0.0
-    for node in range(3):
-        changes += passed_by(count, 1.0, node) * stride.added[node, CHANGES]
+        done, before = theta, here
+    end = _moment(stride, count, 1.0)
+    _add_span(book, stride, count, done, 1.0, clock.period_s, before, end, peak_k)
+    changes = end.a * stride.added[0, CHANGES] + end.b * stride.added[1, CHANGES] + end.c * stride.added[2, CHANGES]
     run.changes += int(changes + 0.5)
     for k in range(stride.parts):
         run.state[k] = stride.place[END, k]
 
 
 @inlined
-def _part_at(stride: Stride, part: int, count: int, theta: float) -> float:
-    """Return depth of discharge or temperature at a fraction of the stride."""
-    value = stride.before[part]
-    for node in range(3):
-        value += passed_by(count, theta, node) * stride.forcing[node, part]
-    return float(value)
+def _moment(stride: Stride, count: int, theta: float) -> Moment:
+    """Return what is known of a fraction of the stride."""
+    first = LAGRANGE[0, 0] + theta * (LAGRANGE[1, 0] + theta * LAGRANGE[2, 0])
+    second = LAGRANGE[0, 1] + theta * (LAGRANGE[1, 1] + theta * LAGRANGE[2, 1])
+    third = LAGRANGE[0, 2] + theta * (LAGRANGE[1, 2] + theta * LAGRANGE[2, 2])
+    return Moment(
+        passed_by(count, theta, 0),
+        passed_by(count, theta, 1),
+        passed_by(count, theta, 2),
+        _seen_at(stride, LOWEST_V, first, second, third),
+        _seen_at(stride, HIGHEST_V, first, second, third),
+        _seen_at(stride, LOWEST_A, first, second, third),
+        _seen_at(stride, HIGHEST_A, first, second, third),
+    )
+
+
+@inlined
+def _part_at(stride: Stride, part: int, at: Moment) -> float:
+    """Return depth of discharge or temperature at a moment of the stride."""
+    value = stride.before[part] + at.a * stride.forcing[0, part]
+    return float(value + at.b * stride.forcing[1, part] + at.c * stride.forcing[2, part])
 
 
 @inlined
@@ -72,43 +104,47 @@ def _note_marks(book: Book, stride: Stride, count: int, begin_s: float, length_s
         low, high = 0.0, 1.0
         for _ in range(60):
             middle = 0.5 * (low + high)
-            if _part_at(stride, DEPTH, count, middle) <= mark[0]:
+            if _part_at(stride, DEPTH, _moment(stride, count, middle)) <= mark[0]:
                 high = middle
             else:
                 low = middle
         mark[1] = begin_s + high * length_s
-        mark[2] = _part_at(stride, TEMPERATURE, count, high)
+        mark[2] = _part_at(stride, TEMPERATURE, _moment(stride, count, high))
         book.filled[3] += 1
 
 
-@kernel
-def _add_span(book: Book, stride: Stride, count: int, begin: float, end: float, period_s: float) -> None:
+@inlined
+def _add_span(
+    book: Book,
+    stride: Stride,
+    count: int,
+    begin: float,
+    end: float,
+    period_s: float,
+    before: Moment,
+    after: Moment,
+    peak_k: float,
+) -> None:
     """Add what was added between two fractions of the stride to the sums since the last sample."""
     if end <= begin:
         return
-    a = passed_by(count, end, 0) - passed_by(count, begin, 0)
-    b = passed_by(count, end, 1) - passed_by(count, begin, 1)
-    c = passed_by(count, end, 2) - passed_by(count, begin, 2)
-    added = stride.added
-    book.sums[SPAN_S] += (end - begin) * count * period_s
+    a, b, c = after.a - before.a, after.b - before.b, after.c - before.c
+    added, sums, gains = stride.added, book.sums, book.recent_gains
+    sums[SPAN_S] += (end - begin) * count * period_s
     for n in range(SPAN_S + 1, SUMS):
-        book.sums[n] += a * added[0, n] + b * added[1, n] + c * added[2, n]
-    for n in range(len(book.recent_gains)):
+        sums[n] += a * added[0, n] + b * added[1, n] + c * added[2, n]
+    for n in range(len(gains)):
         m = GAINS_FROM + n
-        book.recent_gains[n] += a * added[0, m] + b * added[1, m] + c * added[2, m]
-    for theta in (begin, end):
-        for n in (LOWEST_V, LOWEST_A):
-            book.extremes[n] = min(book.extremes[n], _seen_at(stride, n, theta))
-        for n in (HIGHEST_V, HIGHEST_A):
-            book.extremes[n] = max(book.extremes[n], _seen_at(stride, n, theta))
-    seen = stride.seen
-    warmest = highest(seen[0, PEAK_K], seen[1, PEAK_K], seen[2, PEAK_K])
-    book.peak_k[0] = max(book.peak_k[0], max(warmest, seen[FIRST, PEAK_K]))
+        gains[n] += a * added[0, m] + b * added[1, m] + c * added[2, m]
+    lowest_v, highest_v = min(before.lowest_v, after.lowest_v), max(before.highest_v, after.highest_v)
+    lowest_a, highest_a = min(before.lowest_a, after.lowest_a), max(before.highest_a, after.highest_a)
+    widen(book.extremes, lowest_v, highest_v, lowest_a, highest_a)
+    book.peak_k[0] = max(book.peak_k[0], peak_k)
 
 
 @inlined
-def _seen_at(stride: Stride, n: int, theta: float) -> float:
-    """Return an extreme of a period at a fraction of the stride, within what was seen at its nodes and start."""
+def _seen_at(stride: Stride, n: int, first: float, second: float, third: float) -> float:
+    """Return an extreme of a period by the values of the basis functions, within what was seen at nodes and start."""
     a, b, c, d = stride.seen[0, n], stride.seen[1, n], stride.seen[2, n], stride.seen[FIRST, n]
-    value = at_node_fraction(a, b, c, theta)
+    value = a * first + b * second + c * third
     return float(min(max(value, min(min(a, b), min(c, d))), max(max(a, b), max(c, d))))

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pipeline.cell.circuit import Cell, enthalpy, hysteresis_at, pair_ohm
-from pipeline.cell.relaxation import RADAU
+from pipeline.cell.relaxation import RADAU, fill_moments
 from pipeline.charge.state import (
     CHARGE,
     DEPTH,
@@ -109,6 +109,8 @@ def balance(
 def finish(cell: Cell, run: Run, slot: int, bypassed: bool, ambient_k: float) -> None:
     """Write the state at the end and what the step adds, exact for quadratic currents and exponential voltages."""
     at, gain, end, state = run.at, run.gain, run.end, run.state
+    if run.moments_s[slot] != run.length_s[slot]:
+        fill_moments(run, slot, cell.tau_s, cell.relaxations)
     h, n = run.length_s[slot], cell.cells
     # Sums in local names: the record's own cells would be stored and loaded again at every addition.
     main_as = total_as = side_as = voltage_vs = electrical = series = transfer = reversible = side_heat = warm_ks = 0.0
@@ -116,8 +118,7 @@ def finish(cell: Cell, run: Run, slot: int, bypassed: bool, ambient_k: float) ->
     for j in range(3):
         b = h * RADAU[2, j]
         main, side, ohm = at[MAIN, j], at[SIDE, j], at[OHM, j]
-        slow_v, total = at[SLOW_V, j] + at[ETA, j], at[MAIN, j] + at[SIDE, j]
-        at[TOTAL, j] = total
+        slow_v, total = at[SLOW_V, j] + at[ETA, j], at[TOTAL, j]
         main_as += b * main
         total_as += b * total
         side_as += b * side

@@ -5,6 +5,8 @@ from __future__ import annotations
 from typing import Any, NamedTuple
 
 import numpy as np
+from numba import types
+from numba.extending import intrinsic
 from numpy.typing import NDArray
 
 from pipeline.charge.books import GAINS, new_book
@@ -14,8 +16,8 @@ from pipeline.charge.period import new_clock
 from pipeline.charge.program import Program
 from pipeline.charge.record_keeping import PHASE_COLUMNS, SAMPLE_COLUMNS, SUMS, WAVEFORM_COLUMNS, Book
 from pipeline.charge.settling import Settled, settle
-from pipeline.charge.state import DEPTH, HYSTERESIS, QUANTITIES, TEMPERATURE, new_run
-from pipeline.charge.stride import PARTS, copy, new_stride
+from pipeline.charge.state import DEPTH, HYSTERESIS, QUANTITIES, RUN, TEMPERATURE, new_run
+from pipeline.charge.stride import PARTS, STRIDE, copy, new_stride
 from pipeline.jit import by_reference, inlined, kernel
 
 Array = NDArray[np.float64]
@@ -55,6 +57,7 @@ class Lot(NamedTuple):
     begin, end : rows of samples, phases, points, marks and windows that are each charge's own.
     start, state, at : state at the start and at the end, and the last step's quantities.
     settled : numbers of `Settled`.
+    turn : the row that is run next, whichever thread comes first; an array of one.
     """
 
     cells: NDArray[Any]
@@ -85,6 +88,7 @@ class Lot(NamedTuple):
     counts: Whole
     end_s: Array
     status: Whole
+    turn: Whole
 
     def book(self, row: int) -> Book:
         """Return what a charge has written."""
@@ -172,8 +176,20 @@ def new_lot(
         np.zeros((count, GAINS)), np.zeros((count, GAINS)), np.zeros((count, 1)), np.zeros((count, PARTS)),
         np.zeros((count, PARTS)), np.zeros((count, QUANTITIES, 4)), np.zeros((count, len(Settled._fields))),
         np.zeros((count, COUNTS), dtype=np.int64),
-        np.zeros(count), np.zeros(count, dtype=np.int64),
+        np.zeros(count), np.zeros(count, dtype=np.int64), np.zeros(1, dtype=np.int64),
     )  # fmt: skip
+
+
+# Words of a run and of strides that are written before they are read, and most of both.
+_WEIGHTS = RUN.fields["decay"][1] // 8, RUN.fields["phi"][1] // 8  # type: ignore[index]
+_SYSTEM = STRIDE.fields["matrix"][1] // 8, STRIDE.fields["right"][1] // 8  # type: ignore[index]
+
+
+@inlined
+def _renew(words: Array, fresh: Array, written: tuple[int, int]) -> None:
+    """Make words what they are when fresh, but for those that are written before they are read."""
+    copy(words[: written[0]], fresh[: written[0]])
+    copy(words[written[1] :], fresh[written[1] :])
 
 
 @inlined
@@ -187,9 +203,20 @@ def _clear(scratch: Book) -> None:
     scratch.peak_k[0] = 0.0
 
 
+@intrinsic
+def _take_turn(typing: Any, counter: Any) -> Any:
+    """Return the number in an array of one and raise it by one, in one go: no two threads get the same."""
+
+    def made(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
+        array = context.make_array(signature.args[0])(context, builder, arguments[0])
+        return builder.atomic_rmw("add", array.data, context.get_constant(types.int64, 1), "seq_cst")
+
+    return types.int64(counter), made
+
+
 @kernel
-def run_lot(lot: Lot, desk: Desk, control: Control, first: int, last: int) -> None:
-    """Run some charges of a lot, each to its end or to where it cannot go on.
+def run_lot(lot: Lot, desk: Desk, control: Control) -> None:
+    """Run charges of a lot, each to its end or to where it cannot go on, until none is left that nobody has begun.
 
     Arguments
     ---------
@@ -198,9 +225,12 @@ def run_lot(lot: Lot, desk: Desk, control: Control, first: int, last: int) -> No
     """
     programs, place = lot.programs, desk.scratch
     run, clock = desk.runs[0], desk.clocks[0]
-    for row in range(first, last):
-        copy(desk.run_words, desk.fresh_run)
-        copy(desk.stride_words, desk.fresh_stride)
+    while True:
+        row: int = _take_turn(lot.turn)  # type: ignore[call-arg]
+        if row >= len(lot.status):
+            break
+        _renew(desk.run_words, desk.fresh_run, _WEIGHTS)
+        _renew(desk.stride_words, desk.fresh_stride, _SYSTEM)
         copy(desk.clock_words, desk.fresh_clock)
         copy(desk.own_words, desk.fresh_clock)
         _clear(place)

@@ -8,12 +8,11 @@ of their own, runs one by one.
 
 from __future__ import annotations
 
-import math
 from collections import deque
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from functools import partial
-from queue import SimpleQueue
+from queue import Empty, SimpleQueue
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -28,11 +27,10 @@ from pipeline.charge.books import failure, marks_of, points_of, rows_of, windows
 from pipeline.charge.checks import check
 from pipeline.charge.controller import compile_control
 from pipeline.charge.lot import (
+    AMBIENT_K,
     CHANGES,
-    CONDITIONS,
     EDGES,
-    PARTS_OF_BOOK,
-    PLACES,
+    START_K,
     STEPS,
     Desk,
     Lot,
@@ -50,14 +48,16 @@ from pipeline.charge.soundness import FAULTS, FOUND, SOUND, Group, Looked, Sheet
 from pipeline.charge.task import Charge, Supply, Task
 from pipeline.errors import EngineError
 
-BLOCK = 128
-"""Charges that are prepared together."""
+BLOCK, FIRST = 128, 32
+"""Charges that are prepared together; those of the first block, which nothing runs beside."""
 FEW = 8
 """Charges of which fewer are run one by one: nothing is compiled for them that single ones do not need."""
 AHEAD = 2
 """Blocks that are prepared before the charges of the first are wanted."""
-_CHUNKS = 8
 _NO_CELLS = np.zeros(0, dtype=CELL)
+# Room for cells that nobody uses: pages of its own cost more than what is written there.
+_ROOMS: SimpleQueue[NDArray[Any]] = SimpleQueue()
+_NO_MARKS, _NO_WINDOWS = np.zeros((0, 3)), np.zeros((0, 2))
 
 Alone = Callable[[Task], Charge]
 
@@ -95,7 +95,6 @@ class _Known:
         self._general: dict[int, bool] = {}
         self._runs: dict[tuple[object, ...], _Run] = {}
         self._settings: dict[int, _Conditions] = {}
-        self.rooms: SimpleQueue[NDArray[Any]] = SimpleQueue()
 
     def sheet(self, mode: Mode) -> int:
         """Return the number of a mode among those that differ."""
@@ -114,7 +113,9 @@ class _Known:
         """Return the settings with their marks and windows as arrays."""
         found = self._settings.get(id(settings))
         if found is None:
-            found = self._settings[id(settings)] = _Conditions(settings, marks_of(settings), windows_of(settings))
+            marks = marks_of(settings) if settings.soc_marks else _NO_MARKS
+            windows = windows_of(settings) if settings.windows else _NO_WINDOWS
+            found = self._settings[id(settings)] = _Conditions(settings, marks, windows)
         return found
 
     def run(self, sheet: int, battery: Battery, capacity_ah: float, fills: bool, driver: str) -> _Run:
@@ -177,9 +178,11 @@ def charge_many(tasks: Sequence[Task], threads: int, alone: Alone) -> Iterator[C
         for _ in range(threads):
             desks.put(new_desk())
         under_way: deque[Callable[[], list[Charge | Failure]]] = deque()
-        for begin in range(0, len(tasks), BLOCK):
-            block = tasks[begin : begin + BLOCK]
-            under_way.append(_start(block, known, desks, partial(_attempt, alone), pool if threads > 1 else None))
+        begin, size = 0, min(FIRST, BLOCK)
+        while begin < len(tasks):
+            block = tasks[begin : begin + size]
+            under_way.append(_start(block, known, desks, partial(_attempt, alone), threads, pool))
+            begin, size = begin + size, BLOCK
             if len(under_way) > AHEAD:
                 yield from under_way.popleft()()
         while under_way:
@@ -211,19 +214,18 @@ def _start(
     known: _Known,
     desks: SimpleQueue[Desk],
     alone: Callable[[Task], Charge | Failure],
-    pool: ThreadPoolExecutor | None,
+    threads: int,
+    pool: ThreadPoolExecutor,
 ) -> Callable[[], list[Charge | Failure]]:
     """Prepare a block and let it run; return what waits for its end and returns its charges."""
-    room = known.rooms.get() if not known.rooms.empty() else new_room(BLOCK)
+    room = _room()
     block = _prepared(tasks, known, room)
-    rows = len(block.rows)
-    step = max(1, math.ceil(rows / (_CHUNKS if pool else 1)))
     parts: list[Callable[[], object]] = []
     if block.lot is not None:
-        parts = [partial(_run, block.lot, block.runs[0], desks, n, min(n + step, rows)) for n in range(0, rows, step)]
+        parts = [partial(_run, block.lot, block.runs[0], desks)] * min(threads, len(block.rows))
     by_itself = [n for n in range(len(tasks)) if n not in block.rows and n not in block.failures]
     single = {n: partial(alone, tasks[n]) for n in by_itself}
-    if pool is None:
+    if threads == 1:
         waiting, singles = parts, single
     else:
         waiting = [pool.submit(part).result for part in parts]
@@ -234,27 +236,36 @@ def _start(
             wait()
         # What has run does not hold on to room for cells.
         done = block if block.lot is None else block._replace(lot=block.lot._replace(cells=_NO_CELLS))
-        known.rooms.put(room)
-        return [singles[n]() if n in singles else _charge(done, n) for n in range(len(tasks))]
+        _ROOMS.put(room)
+        status = [] if done.lot is None else done.lot.status.tolist()
+        return [singles[n]() if n in singles else _charge(done, status, n) for n in range(len(tasks))]
 
     return finish
 
 
-def _run(lot: Lot, run: _Run, desks: SimpleQueue[Desk], first: int, last: int) -> None:
+def _room() -> NDArray[Any]:
+    try:
+        found = _ROOMS.get_nowait()
+    except Empty:
+        return new_room(BLOCK)
+    return found if len(found) >= BLOCK else new_room(BLOCK)
+
+
+def _run(lot: Lot, run: _Run, desks: SimpleQueue[Desk]) -> None:
     desk = desks.get()
-    run_lot(lot, desk, compile_control(run.protocol, 0.0), first, last)
+    run_lot(lot, desk, compile_control(run.protocol, 0.0))
     desks.put(desk)
 
 
-def _charge(block: _Block, place: int) -> Charge | Failure:
+def _charge(block: _Block, status: Sequence[int], place: int) -> Charge | Failure:
     """Return a charge of a block that has run, or why there is none."""
     if place in block.failures:
         return block.failures[place]
     task, row, lot = block.tasks[place], block.rows[place], block.lot
     assert lot is not None
-    if lot.status[row] != drive.DONE:
+    if status[row] != drive.DONE:
         steps = int(lot.counts[row, STEPS])
-        return failure(int(lot.status[row]), float(lot.end_s[row]), steps, lot.state[row], task.engine)
+        return failure(status[row], float(lot.end_s[row]), steps, lot.state[row], task.engine)
     return Charge(task, partial(_outcome, lot, row, block.runs[row]))
 
 
@@ -310,10 +321,11 @@ def _batteries(tasks: Sequence[Task], room: NDArray[Any]) -> _Batteries:
 
 def _failures(tasks: Sequence[Task], known: _Known, sheets: Sequence[int], batteries: _Batteries) -> dict[int, Failure]:
     """Return what is wrong with charges, by their place."""
-    groups: dict[tuple[int, Group], list[int]] = {}
     own = [batteries.row_of[id(task.battery)] for task in tasks]
+    alike: dict[tuple[int, int, bool], list[int]] = {}
     for n, row in enumerate(own):
-        groups.setdefault((sheets[n], Group(batteries.series[row], batteries.fills[row])), []).append(n)
+        alike.setdefault((sheets[n], batteries.series[row], batteries.fills[row]), []).append(n)
+    groups = {(sheet, Group(cells, fills)): members for (sheet, cells, fills), members in alike.items()}
     capacity_ah = np.array(batteries.capacity_ah)[own]
     asked, held = np.empty((len(tasks), 4)), np.zeros(len(tasks), dtype=np.bool_)
     asked[:, 0] = [task.settings.initial_soc for task in tasks]
@@ -340,24 +352,35 @@ def _lot(tasks: Sequence[Task], runs: Sequence[_Run], known: _Known, batteries: 
     supplies = {id(task.supply): task.supply for task in tasks}
     program_of, supply_of = ({key: n for n, key in enumerate(one)} for one in (programs, supplies))
     own = [known.conditions(task.settings) for task in tasks]
-    conditions, places = np.empty((len(tasks), CONDITIONS)), np.empty((len(tasks), PLACES), dtype=np.int64)
-    rooms = np.empty((len(tasks), PARTS_OF_BOOK), dtype=np.int64)
-    for n, (task, run, (settings, marks, windows)) in enumerate(zip(tasks, runs, own, strict=True)):
-        engine, program = task.engine, run.program
-        conditions[n] = (
-            settings.initial_soc, settings.start_c + ZERO_CELSIUS_K, settings.sample_interval_s,
-            settings.ambient_c + ZERO_CELSIUS_K, engine.tolerance, engine.maximum_step_s,
-        )  # fmt: skip
-        places[n] = (
-            batteries.row_of[id(task.battery)], program_of[id(run)], supply_of[id(task.supply)], engine.maximum_steps,
-        )  # fmt: skip
-        rooms[n] = (
-            rows_of(program.stop_elapsed_s, settings.sample_interval_s), len(program.segments),
-            points_of(program, windows), len(marks), len(windows),
-        )  # fmt: skip
+    row_of = batteries.row_of
+    conditions = np.array([
+        (
+            settings.initial_soc, settings.start_c, settings.sample_interval_s, settings.ambient_c,
+            task.engine.tolerance, task.engine.maximum_step_s,
+        )
+        for task, (settings, _, _) in zip(tasks, own, strict=True)
+    ])  # fmt: skip
+    conditions[:, [START_K, AMBIENT_K]] += ZERO_CELSIUS_K
+    places = np.array([
+        (row_of[id(task.battery)], program_of[id(run)], supply_of[id(task.supply)], task.engine.maximum_steps)
+        for task, run in zip(tasks, runs, strict=True)
+    ])  # fmt: skip
+    alike: dict[Any, tuple[int, ...]] = {}
+    rooms = np.array([_room_of_book(run.program, of_task, alike) for run, of_task in zip(runs, own, strict=True)])
     marks, windows = np.concatenate([one.marks for one in own]), np.concatenate([one.windows for one in own])
     packed = pack_programs(list(programs.values()))
     return new_lot(batteries.cells, packed, _packed(list(supplies.values())), conditions, places, rooms, marks, windows)
+
+
+def _room_of_book(program: Program, asked: _Conditions, alike: dict[Any, tuple[int, ...]]) -> tuple[int, ...]:
+    """Return rows of samples, phases, points, marks and windows; `alike` holds those found before."""
+    interval_s, marks, windows = asked.settings.sample_interval_s, len(asked.marks), asked.windows
+    key = id(program), interval_s, marks, windows.tobytes()
+    found = alike.get(key)
+    if found is None:
+        rows, points = rows_of(program.stop_elapsed_s, interval_s), points_of(program, windows)
+        found = alike[key] = (rows, len(program.segments), points, marks, len(windows))
+    return found
 
 
 def _packed(supplies: Sequence[Supply]) -> tuple[NDArray[np.int64], NDArray[np.float64], NDArray[np.float64]]:

@@ -37,6 +37,7 @@ from pipeline.charge.state import (
     VOLTAGE_TIME,
     Run,
     T,
+    put,
 )
 from pipeline.jit import inlined, kernel
 
@@ -98,13 +99,20 @@ def add_step(cell: Cell, run: Run, book: Book, length_s: float) -> None:
     for n in range(PAIR_HEAT + cell.pairs + cell.acceptance):
         book.recent_gains[n] += gain[n]
     v, a, t = at[TERMINAL_V], at[TOTAL], at[T]
-    extremes[LOWEST_V] = min(extremes[LOWEST_V], min(min(v[0], v[1]), min(v[2], v[3])))
-    extremes[HIGHEST_V] = max(extremes[HIGHEST_V], max(max(v[0], v[1]), max(v[2], v[3])))
     lowest_a = min(min(a[0], a[1]), min(a[2], a[3]))
     # Where something limits a charging current, what lies below zero is the rounding of where it got there.
-    extremes[LOWEST_A] = min(extremes[LOWEST_A], lowest_a if run.control == CURRENT_CONTROL else max(lowest_a, 0.0))
-    extremes[HIGHEST_A] = max(extremes[HIGHEST_A], max(max(a[0], a[1]), max(a[2], a[3])))
+    lowest_a = lowest_a if run.control == CURRENT_CONTROL else max(lowest_a, 0.0)
+    lowest_v, highest_v = min(min(v[0], v[1]), min(v[2], v[3])), max(max(v[0], v[1]), max(v[2], v[3]))
+    widen(extremes, lowest_v, highest_v, lowest_a, max(max(a[0], a[1]), max(a[2], a[3])))
     book.peak_k[0] = max(book.peak_k[0], max(max(t[0], t[1]), max(t[2], t[3])))
+
+
+@inlined
+def widen(extremes: NDArray[np.float64], low_v: float, high_v: float, low_a: float, high_a: float) -> None:
+    """Let extremes of voltage and current reach as far as these; all four written at once, whichever changes."""
+    a, b, c, d = extremes[LOWEST_V], extremes[HIGHEST_V], extremes[LOWEST_A], extremes[HIGHEST_A]
+    a, b, c, d = min(a, low_v), max(b, high_v), min(c, low_a), max(d, high_a)
+    put(extremes, a, b, c, d)
 
 
 @inlined
@@ -121,9 +129,7 @@ def add_plain(cell: Cell, run: Run, book: Book, current: float, length_s: float,
         gains[SIDE_HEAT] += gain[SIDE_HEAT]
     for k in range(cell.pairs + cell.acceptance):
         gains[PAIR_HEAT + k] += gain[PAIR_HEAT + k]
-    extremes[LOWEST_V] = min(extremes[LOWEST_V], min(start_v, end_v))
-    extremes[HIGHEST_V] = max(extremes[HIGHEST_V], max(start_v, end_v))
-    extremes[LOWEST_A], extremes[HIGHEST_A] = min(extremes[LOWEST_A], current), max(extremes[HIGHEST_A], current)
+    widen(extremes, min(start_v, end_v), max(start_v, end_v), current, current)
     book.peak_k[0] = max(book.peak_k[0], run.end[TEMPERATURE])
 
 

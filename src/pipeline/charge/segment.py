@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pipeline.cell.circuit import REFERENCE_K, Cell
-from pipeline.cell.relaxation import MOST_SLOTS, fill
+from pipeline.charge.energy import finish
 from pipeline.charge.moment import place_start, solve_start
 from pipeline.charge.state import (
     BLOCKED,
@@ -30,7 +30,7 @@ from pipeline.charge.state import (
     recall,
     remember,
 )
-from pipeline.charge.step import integrate, step_error
+from pipeline.charge.step import crossing, integrate, slot_of, step_error
 from pipeline.charge.watching import watched_guard
 from pipeline.jit import inlined, kernel
 
@@ -48,21 +48,12 @@ STAGE_EDGE, WATCHED, FIRST_WATCHED, PLACES = 8, 9, 10, 14
 _NEVER = 1e300
 _CHATTER = 1e-9
 ROUNDING = 1e-13
+# Gap beyond zero at which a crossing is found.
+_THERE = 1e-13
+# Trials of a crossing that the model places, and how far beyond zero it aims.
+_MODELLED, _BEYOND = 8, 1e-15
 # Error below which the next step may be four times as long.
 _EASY = 0.2**4
-
-
-@inlined
-def slot_of(cell: Cell, run: Run, length_s: float) -> int:
-    """Return the slot that holds the weights of a step length, computing them where none does."""
-    lengths = run.length_s
-    for slot in range(MOST_SLOTS):
-        if lengths[slot] == length_s:
-            return slot
-    slot = run.next_slot
-    run.next_slot = (slot + 1) % MOST_SLOTS
-    fill(run, slot, length_s, cell.tau_s, cell.relaxations)
-    return int(slot)
 
 
 @inlined
@@ -235,15 +226,18 @@ def _fourth_root(value: float) -> float:
 
 @inlined
 def guard(cell: Cell, run: Run, demand: Demand, limits: NDArray[np.float64]) -> tuple[float, int]:
-    """Return the nearest guard over the nodes of the step just taken."""
+    """Return the nearest guard over the nodes of the step just taken; that of each node goes to the run's row."""
     least, what = guard_at(cell, run, demand, limits, 2)
+    run.row[2] = least
     for j in range(2):
         gap, kind = guard_at(cell, run, demand, limits, j)
+        run.row[j] = gap
         if gap < least:
             least, what = gap, kind
     if limits[WATCHED] > 0.0:
         for j in range(3):
             gap, kind = watched_guard_at(cell, run, demand.charging, limits, j)
+            run.row[j] = min(run.row[j], gap)
             if gap < least:
                 least, what = gap, kind
     return least, what
@@ -276,6 +270,7 @@ def watched_guard_at(cell: Cell, run: Run, charging: bool, limits: NDArray[np.fl
 def try_step(cell: Cell, run: Run, demand: Demand, ambient_k: float, length_s: float) -> bool:
     """Integrate one step length from the state; `run` holds the result."""
     slot = slot_of(cell, run, length_s)
+    run.slot = slot
     run.steps += 1
     target = target_of(cell, demand, run.control)
     return integrate(cell, run, slot, solved_as(run.control), target, run.bypassed == 1, ambient_k)
@@ -296,22 +291,33 @@ def locate(
 ) -> tuple[float, int]:
     """Find where the nearest guard of an overlong step crosses zero; return the length that reaches it, and what it is.
 
-    Regula falsi (Illinois) on the step length, integrating from the step's start every time; the step found is left
-    in `run`. Bisection by ratio where the secant does not close in.
+    By a model of the guard over the step; where that does not lead there, by regula falsi (Illinois) on the step
+    length, and by bisection of the ratio where the secant does not close in. Every trial is integrated from the step's
+    start; the step found is left in `run`.
     """
     low, high = 0.0, length_s
     above, _ = guard_at_start(cell, run, demand, limits)
+    at_start, last_s, last, beyond = above, length_s, 0.0, _BEYOND
     above = max(above, 1e-300)
     below, what = guard(cell, run, demand, limits)
     trial, side = length_s, 0
     for attempt in range(200):
         if below >= 0.0 or (high - low <= 1e-12 * (1e-3 + high) and attempt > 0):
             break
-        share = above / (above - below)
-        if attempt % 4 == 3:
-            share = 0.5 if low > 0.01 * high else 0.03
-        # A little off both ends, so that a root found from one side is enclosed by the next trial.
-        trial = low + (high - low) * min(max(share, 1e-4), 1.0 - 1e-4)
+        wish = -1.0
+        if attempt < _MODELLED:
+            # Rounding may leave a trial on this side.
+            beyond = min(8.0 * beyond, 5e-14) if 0.0 <= run.row[2] < _THERE else _BEYOND
+            wish = trial * crossing(run.row, at_start, last_s / trial, last, beyond)
+            last_s, last = trial, run.row[2]
+        if low < wish < high:
+            trial = wish
+        else:
+            share = above / (above - below)
+            if attempt % 4 == 3:
+                share = 0.5 if low > 0.01 * high else 0.03
+            # A little off both ends, so that a root found from one side is enclosed by the next trial.
+            trial = low + (high - low) * min(max(share, 1e-4), 1.0 - 1e-4)
         set_guess(cell, run, trial)
         if not try_step(cell, run, demand, ambient_k, trial):
             return high, FAILED
@@ -320,7 +326,7 @@ def locate(
             high, below, what = trial, gap, kind
             above *= 0.5 if side < 0 else 1.0
             side = -1
-            if gap > -1e-13:
+            if gap > -_THERE:
                 return high, what
         else:
             low, above = trial, gap
@@ -363,16 +369,19 @@ def advance(
                 return 0.0, FAILED, 1.0
             continue
         gap, what = 0.0, NOTHING
+        taken_s, factor = length_s, 1.0
         if not clear(cell, run, demand, limits):
             gap, what = guard(cell, run, demand, limits)
         if gap >= 0.0:
             remember(run, length_s)
-            return length_s, NOTHING, 4.0 if error < _EASY else 0.8 / _fourth_root(error)
-        found, what = locate(cell, run, demand, limits, ambient_k, length_s)
-        if what == FAILED:
-            length_s *= 0.25
-            continue
-        return found, what, 1.0
+            what, factor = NOTHING, 4.0 if error < _EASY else 0.8 / _fourth_root(error)
+        else:
+            taken_s, what = locate(cell, run, demand, limits, ambient_k, length_s)
+            if what == FAILED:
+                length_s *= 0.25
+                continue
+        finish(cell, run, run.slot, run.bypassed == 1, ambient_k)
+        return taken_s, what, factor
     return 0.0, FAILED, 1.0
 
 

@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pipeline.cell.circuit import ENTROPIC, EXCHANGE, FIRST_PAIR, OPEN_CIRCUIT, SERIES, Cell
-from pipeline.cell.curves import TABLE, piece_of, value_and_slope
+from pipeline.cell.curves import CONSTANT, TABLE, piece_of, value_and_slope
 from pipeline.charge.checks import NEARLY_EMPTY, NEARLY_FULL, Facts, check_sheet, needs_resistance
 from pipeline.charge.feasible import NEVER_FULL, emptied
 from pipeline.charge.protocol import Resolver, lift_of
@@ -110,6 +110,9 @@ def _range_of(cell: Cell, row: int, low: float, high: float, inside: bool) -> tu
     """
     least, most = math.inf, -math.inf
     sound = True
+    if cell.kind[row] == CONSTANT:
+        least = most = cell.parameters[row, 0]
+        return (least, most) if math.isfinite(least) else (-math.inf, math.inf)
     for n in range(_POINTS + 1):
         soc = low + (high - low) * n / _POINTS if n < _POINTS else high
         value, _ = value_and_slope(cell, row, 1.0 - soc)

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pipeline.cell.circuit import MOST_RELAXATIONS, REFERENCE_K
-from pipeline.cell.relaxation import PASSED, WEIGHT_FIELDS
+from pipeline.cell.relaxation import MOST_SLOTS, PASSED, WEIGHT_FIELDS
 from pipeline.jit import inlined, new_record
 
 # What a charger holds. Blocked: the battery stands above the voltage limit, and a charger does not draw from it; the
@@ -103,6 +103,9 @@ RUN = np.dtype(
         # Whether the last step was so short that straight lines from its start served for every curve.
         ("near", np.bool_),
         ("next_slot", np.int64),
+        # Slot of the step integrated last; whether a slot has served since it was last passed over.
+        ("slot", np.int64),
+        ("served", np.int64, (MOST_SLOTS,)),
         ("steps", np.int64),
         ("edges", np.int64),
         ("changes", np.int64),

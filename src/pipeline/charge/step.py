@@ -14,8 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pipeline.cell.circuit import REFERENCE_K, Cell
-from pipeline.cell.relaxation import AT_START, PASSED
-from pipeline.charge.energy import finish
+from pipeline.cell.relaxation import AT_START, MOST_SLOTS, NODES, PASSED, fill
 from pipeline.charge.moment import circuit_at
 from pipeline.charge.nodes import circuit_near, close, follow_hysteresis, move, relax, warm
 from pipeline.charge.state import (
@@ -31,6 +30,7 @@ from pipeline.charge.state import (
     OHM_SLOPE,
     OPEN_SLOPE,
     POWER_CONTROL,
+    SIDE,
     SIDE_SLOPE,
     SLOW_V,
     START,
@@ -174,11 +174,12 @@ def integrate(
 
     Arguments
     ---------
-    run : `at[MAIN, :3]` and `at[T, :3]` hold the guess on entry, the solution on return; `end` and `gain` are written.
+    run : `at[MAIN, :3]` and `at[T, :3]` hold the guess on entry, the solution on return; where the step ends and what
+        it adds is for `energy.finish` to write.
     target : current [A] and power [W] of the battery, or voltage of one cell at 25 degC [V].
     bypassed : the acceptance pair is discharged and the current is not charging it.
     """
-    at, main, missed = run.at, run.at[MAIN], run.residual
+    at, main, side, missed = run.at, run.at[MAIN], run.at[SIDE], run.residual
     per_charge = run.length_s[slot] / cell.charge_as
     for _ in range(_ITERATIONS):
         run.near = cell.warming == 0 and per_charge * _largest(main) < NEAR * run.state[DEPTH]
@@ -193,7 +194,9 @@ def integrate(
             follow_hysteresis(cell, run)
         relax(cell, run, slot, bypassed)
         close(cell, run, control, target, run.near)
-        weak = control == CURRENT_CONTROL and cell.transfer == 0 and _coupling(cell, run, slot) < _WEAK
+        weak = control == CURRENT_CONTROL and cell.transfer == 0
+        if weak and cell.side == 1:
+            weak = _coupling(cell, run, slot) < _WEAK
         if not weak:
             correct(cell, run, slot, control, bypassed)
         # A main current far below the total is a difference of two that are not: known to their rounding only.
@@ -204,7 +207,7 @@ def integrate(
         put(main, main[0] - missed[0], main[1] - missed[1], main[2] - missed[2], main[3] - missed[3])
         warmed = warm(cell, run, slot, ambient_k)
         if worst < _NEWTON * largest and warmed < _WARMING_K:
-            finish(cell, run, slot, bypassed, ambient_k)
+            put(at[TOTAL], main[0] + side[0], main[1] + side[1], main[2] + side[2], at[TOTAL, START])
             if control == VOLTAGE_CONTROL:
                 k, t = run.lift_v_k, at[T]
                 a, b, c = t[0] - REFERENCE_K, t[1] - REFERENCE_K, t[2] - REFERENCE_K
@@ -227,3 +230,57 @@ def _coupling(cell: Cell, run: Run, slot: int) -> float:
 def _largest(values: NDArray[np.float64]) -> float:
     """Return the largest magnitude over the nodes."""
     return float(max(abs(values[0]), max(abs(values[1]), abs(values[2]))))
+
+
+@inlined
+def slot_of(cell: Cell, run: Run, length_s: float) -> int:
+    """Return the slot that holds the weights of a step length, computing them where none does.
+
+    What has served again stays for another round: lengths on the way to a crossing are there once.
+    """
+    lengths, served = run.length_s, run.served
+    for slot in range(MOST_SLOTS):
+        if lengths[slot] == length_s:
+            served[slot] = 1
+            return slot
+    slot = run.next_slot
+    while served[slot] == 1:
+        served[slot] = 0
+        slot = (slot + 1) % MOST_SLOTS
+    run.next_slot = (slot + 1) % MOST_SLOTS
+    fill(run, slot, length_s, cell.tau_s, cell.relaxations)
+    return int(slot)
+
+
+# Polynomials in the fraction of a step, less one, through its three nodes and, last, its start.
+_AT_END = np.linalg.inv(np.vander(np.append(NODES, 0.0) - 1.0, increasing=True))
+# Newton's corrections of where such a polynomial comes to zero.
+_POLISHED = 12
+
+
+@inlined
+def crossing(gaps: NDArray[np.float64], at_start: float, share: float, before: float, beyond: float) -> float:
+    """Return where the gap comes to so little below zero, in units of the length of the step tried last.
+
+    From the cubic through its values at start and nodes of that step; its slope at the end is that which leads to the
+    value of another length, so that the next guess misses by the product of the last two misses and more.
+
+    Arguments
+    ---------
+    share, before : another length, in the same unit, and the gap there; a share of 1 where there is none.
+    """
+    one = two = three = 0.0
+    for n in range(3):
+        one, two, three = one + _AT_END[1, n] * gaps[n], two + _AT_END[2, n] * gaps[n], three + _AT_END[3, n] * gaps[n]
+    one, two, three = one + _AT_END[1, 3] * at_start, two + _AT_END[2, 3] * at_start, three + _AT_END[3, 3] * at_start
+    if share != 1.0:
+        away = 1.0 - share
+        one = (gaps[2] - before) / away + away * (two - away * three)
+    shift = 0.0
+    for _ in range(_POLISHED):
+        miss = gaps[2] + beyond + shift * (one + shift * (two + shift * three))
+        change = miss / (one + shift * (2.0 * two + 3.0 * shift * three))
+        shift = max(shift - change, -1.0)
+        if abs(change) <= 1e-9 * abs(shift):
+            break
+    return 1.0 + shift

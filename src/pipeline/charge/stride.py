@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from pipeline.cell.circuit import MOST_RELAXATIONS, Cell
 from pipeline.cell.relaxation import LAGRANGE, NODES, phi_functions, response
 from pipeline.charge.record_keeping import SUMS
-from pipeline.charge.state import HYSTERESIS, PAIR_HEAT, RELAXATIONS
+from pipeline.charge.state import HYSTERESIS, PAIR_HEAT, RELAXATIONS, put
 from pipeline.jit import inlined, kernel, new_record
 
 PARTS = RELAXATIONS + MOST_RELAXATIONS
@@ -45,7 +45,9 @@ STRIDE = np.dtype(
         ("seen", np.float64, (5, SEEN)),
         ("scale", np.float64, (PARTS,)),
         ("slope", np.float64, (PARTS, PARTS)),
-        ("matrix", np.float64, (3 * PARTS, 3 * PARTS)),
+        ("matrix", np.float64, (3 * PARTS, PARTS, 4)),
+        ("factors", np.float64, (3 * PARTS, 3 * PARTS)),
+        ("pivots", np.int64, (3 * PARTS,)),
         ("right", np.float64, (3 * PARTS,)),
         ("phi", np.float64, (8,)),
         ("row", np.float64, (3,)),
@@ -66,6 +68,7 @@ STRIDE = np.dtype(
         ("last", np.int64),
         ("parts", np.int64),
         ("sloped", np.int64),
+        ("eliminated", np.int64),
         ("tried", np.int64),
         ("taken", np.int64),
     ],
@@ -78,6 +81,7 @@ kept, ratio : what a period leaves of a part of the state, and -log of it.
 left[k, j], weight[k, l, j] : part k at node j is left times its start plus weights times forcings.
 forcing[l, k] : what the period at node l adds to part k, `measured` what it did.
 slope[m, k] : how what is measured of part m rises with part k.
+matrix, factors, pivots : what elimination leaves of the system of a correction, and how; `eliminated` where it holds.
 """
 
 Stride = Any
@@ -91,16 +95,21 @@ def new_stride() -> Stride:
 @kernel
 def weigh(stride: Stride, count: int) -> None:
     """Compute the weights of a stride over so many periods."""
+    stride.eliminated = 0
+    like = -1
     for k in range(stride.parts):
         z = stride.ratio[k]
-        if z == 0.0:
-            for j in range(4):
-                theta = NODES[j] - 0.5 / count if j < 3 else 1.0
-                stride.left[k, j] = 1.0
-                for node in range(3):
-                    stride.weight[k, node, j] = passed_by(count, theta, node)
-        else:
+        if z != 0.0:
             _weigh_relaxation(stride, k, z, count)
+            continue
+        for j in range(4):
+            theta = NODES[j] - 0.5 / count if j < 3 else 1.0
+            stride.left[k, j] = 1.0
+            for node in range(3):
+                # Alike for every part that stays as it is.
+                weight = passed_by(count, theta, node) if like < 0 else stride.weight[like, node, j]
+                stride.weight[k, node, j] = weight
+        like = k
 
 
 @inlined
@@ -209,15 +218,8 @@ def correct(stride: Stride) -> None:
         for j in range(3):
             right[3 * m + j] = (stride.measured[j, m] - stride.forcing[j, m]) / scale[m]
     if stride.sloped == 1:
-        matrix = stride.matrix
-        for m in range(parts):
-            for k in range(parts):
-                ratio = stride.slope[m, k] * scale[k] / scale[m]
-                for j in range(3):
-                    for node in range(3):
-                        matrix[3 * m + j, 3 * k + node] = -ratio * stride.weight[k, node, j]
-        for row in range(3 * parts):
-            matrix[row, row] += 1.0
+        if stride.eliminated == 0:
+            _eliminate(stride)
         _solve(stride, 3 * parts)
     for m in range(parts):
         for j in range(3):
@@ -225,27 +227,63 @@ def correct(stride: Stride) -> None:
 
 
 @inlined
-def _solve(stride: Stride, size: int) -> None:
-    """Solve the system in place by elimination with pivots from the column."""
-    matrix, right = stride.matrix, stride.right
-    for column in range(size):
+def _eliminate(stride: Stride) -> None:
+    """Write the system of a correction and eliminate it with pivots from the column, four unknowns at a time."""
+    matrix, parts, scale = stride.matrix, stride.parts, stride.scale
+    for m in range(parts):
+        for k in range(parts):
+            ratio, w = stride.slope[m, k] * scale[k] / scale[m], stride.weight[k]
+            for j in range(3):
+                put(matrix[3 * m + j, k], -ratio * w[0, j], -ratio * w[1, j], -ratio * w[2, j], 0.0)
+                if m == k:
+                    matrix[3 * m + j, k, j] += 1.0
+    for column in range(3 * parts):
+        block, lane = column // 3, column % 3
         pivot = column
-        for row in range(column + 1, size):
-            if abs(matrix[row, column]) > abs(matrix[pivot, column]):
+        for row in range(column + 1, 3 * parts):
+            if abs(matrix[row, block, lane]) > abs(matrix[pivot, block, lane]):
                 pivot = row
+        stride.pivots[column] = pivot
         if pivot != column:
-            for other in range(column, size):
-                matrix[pivot, other], matrix[column, other] = matrix[column, other], matrix[pivot, other]
-            right[pivot], right[column] = right[column], right[pivot]
-        reciprocal = 1.0 / matrix[column, column]
-        for row in range(column + 1, size):
-            factor = matrix[row, column] * reciprocal
+            for k in range(block, parts):
+                for n in range(4):
+                    matrix[pivot, k, n], matrix[column, k, n] = matrix[column, k, n], matrix[pivot, k, n]
+        reciprocal = 1.0 / matrix[column, block, lane]
+        for row in range(column + 1, 3 * parts):
+            factor = matrix[row, block, lane] * reciprocal
+            stride.factors[column, row] = factor
             if factor != 0.0:
-                for other in range(column + 1, size):
-                    matrix[row, other] -= factor * matrix[column, other]
-                right[row] -= factor * right[column]
+                # What lies before the column is not read again.
+                for k in range(block, parts):
+                    own, above = matrix[row, k], matrix[column, k]
+                    put(
+                        own,
+                        own[0] - factor * above[0],
+                        own[1] - factor * above[1],
+                        own[2] - factor * above[2],
+                        own[3] - factor * above[3],
+                    )
+    stride.eliminated = 1
+
+
+@inlined
+def _solve(stride: Stride, size: int) -> None:
+    """Solve the eliminated system in place."""
+    matrix, right, factors = stride.matrix, stride.right, stride.factors
+    for column in range(size):
+        pivot = stride.pivots[column]
+        if pivot != column:
+            right[pivot], right[column] = right[column], right[pivot]
+        for row in range(column + 1, size):
+            if factors[column, row] != 0.0:
+                right[row] -= factors[column, row] * right[column]
     for row in range(size - 1, -1, -1):
-        total = right[row]
-        for other in range(row + 1, size):
-            total -= matrix[row, other] * right[other]
-        right[row] = total / matrix[row, row]
+        block, lane, total = row // 3, row % 3, right[row]
+        own = matrix[row]
+        for n in range(lane + 1, 3):
+            total -= own[block, n] * right[3 * block + n]
+        for k in range(block + 1, size // 3):
+            total -= own[k, 0] * right[3 * k]
+            total -= own[k, 1] * right[3 * k + 1]
+            total -= own[k, 2] * right[3 * k + 2]
+        right[row] = total / own[block, lane]
