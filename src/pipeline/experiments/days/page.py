@@ -7,6 +7,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from pipeline.experiments.days.numbers import charged, weathers
 from pipeline.report.pages import PageFigure, PageSection
 from pipeline.report.tables import Cell, ReportData, ReportTable, plain, sentence
+from pipeline.report.text import ended
 from pipeline.report.traces import Trace
 
 LABELS = ("day",)
@@ -227,5 +228,5 @@ def _fate(data: ReportData, weather: str, mode: str, found: Mapping[str, float])
     if "ended_clock_s" in found:
         changes = data.table(f"day/{weather}/{mode}", "switching")
         why = next(str(r) for r, to in zip(changes["reason"], changes["after"], strict=True) if str(to) == "ended")
-        return f"{title} ends at {clock(found['ended_clock_s'])[:5]} ({why})"
+        return f"{title} ends at {clock(found['ended_clock_s'])[:5]} ({ended(why)})"
     return f"{title} reaches {100.0 * found['end_soc']:.1f} % by last light"
