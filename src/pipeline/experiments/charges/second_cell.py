@@ -36,9 +36,8 @@ def summary(first: Verdicts, other: Verdicts, titles: Sequence[str]) -> str:
     """Return in a sentence how many statements have another outcome."""
     asked, count = len(other["statement"]), len(differing(first, other))
     if not count:
-        return (
-            f"All {asked} statements that charges alone answer have the same outcome with {titles[1]} and {titles[0]}."
-        )
+        same = f"have the same outcome with {titles[1]} as with {titles[0]}"
+        return f"All {asked} statements that charges alone answer {same}."
     verb = "has" if count == 1 else "have"
     return (
         f"Of the {asked} statements that charges alone answer, {count} {verb} another outcome with {titles[1]} "
@@ -76,7 +75,7 @@ def side_by_side(data: ReportData) -> ReportTable:
     return ReportTable(
         "second_charges",
         "Both batteries, charge by charge",
-        "Empty: not reached, or the battery has no such part.",
+        "A dash: not reached, or the battery has no such part.",
         ("charge", "quantity", "unit", *cells(data)),
         tuple(rows),
         grouped=True,
