@@ -111,6 +111,10 @@ def test_what_ended_a_charge_is_said_in_words(reason: str, told: str) -> None:
     assert ended(reason) == label(reason) == told
 
 
+def test_what_ended_a_charge_is_said_in_words_among_numbers_too() -> None:
+    assert [one.text for one in column(["stop: soc 0.99", 0.5])] == ["stop at SOC 99 %", "0.5"]
+
+
 def test_names_of_the_energy_balance_are_words() -> None:
     assert label("pair slow") == "RC pair “slow”"
     assert label("pair_slow_store") == "RC pair “slow”, energy it keeps"

@@ -90,7 +90,7 @@ def column(cells: Sequence[Cell]) -> list[Printed]:
     printed = []
     for cell in map(plain, cells):
         left_over = isinstance(cell, float) and 0.0 < abs(cell) < floor
-        printed.append(Printed("≈ 0" if left_over else number(cell), "", not isinstance(cell, str)))
+        printed.append(Printed("≈ 0" if left_over else ended(number(cell)), "", not isinstance(cell, str)))
     widest = "." + "0" * (max((len(_tail(one.text)) for one in printed if one.numeric), default=0) - 1)
     widest = widest if len(widest) > 1 else ""
     return [one._replace(room=widest[len(_tail(one.text)) :] if _has_room(one) else "") for one in printed]
