@@ -134,8 +134,8 @@ def test_signs_of_arithmetic_in_prose() -> None:
     )
     assert prose("a quick-start, x 2 and well-known - so") == "a quick-start, x 2 and well-known − so"
     assert share(-0.156) == "−16 %"
-    assert spelt("share of the variance that c2 explains; conf/search/c2.yaml, c1=2") == (
-        "share of the variance that C2 explains; conf/search/c2.yaml, c1=2"
+    assert spelt("share that c2 explains; level of w with the least sum; conf/search/c2.yaml, c1=2, w = 1") == (
+        "share that C2 explains; level of W with the least sum; conf/search/c2.yaml, c1=2, w = 1"
     )
 
 

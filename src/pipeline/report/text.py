@@ -46,7 +46,7 @@ _LIMITS = {
     "elapsed": "time limit of {}", "soc": "SOC {}", "voltage below its peak by": "voltage {} below its peak",
     "temperature rate": "temperature rate of {}",
 }  # fmt: skip
-_KNOB = re.compile(r"(?<![\w/.])(c1|c2|w)(?![\w/.=])")
+_KNOB = re.compile(r"(?<![\w/.])(c1|c2|w(?= (?:had|explains|with)\b))(?![\w/.=])")
 """A knob of the swarm within a sentence, as its tables write it."""
 
 
