@@ -67,6 +67,7 @@ def test_the_answer_the_table_and_the_page_have_the_engines_numbers(capsys: pyte
     page = (folder / "index.html").read_text()
     assert first in page
     assert "modes.svg" in page
+    assert f"{folder.relative_to('reports')}/index.html" in Path("reports/index.html").read_text()
     curves = json.loads((folder / "traces.js").read_text().removeprefix("window.TRACES = ").rstrip(";\n"))
     assert [one["name"] for one in curves] == ["cc_cv", "cv_pulse"]
     assert set(curves[0]["quantities"]) == {"Voltage [V]", "Current [A]", "Temperature [°C]", "State of charge [%]"}

@@ -95,3 +95,8 @@ def test_a_report_fits_the_terminal(
     assert any(line.startswith("a_statement_with_a_long_name") and "holds" in line for line in lines)
     shown = " ".join(" ".join(lines).split())
     assert " ".join(ANSWER["sentence"][0].split()) in shown
+
+
+def test_sentences_say_degrees_as_people_write_them() -> None:
+    assert terminal.printed("surroundings: 25 degC, 0.5 K above") == "surroundings: 25 °C, 0.5 K above"
+    assert terminal.printed("column 'Surface Temperature / degC'") == "column 'Surface Temperature / degC'"

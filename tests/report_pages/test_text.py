@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import shlex
+
 import pytest
 
 from pipeline.report.pages import view
 from pipeline.report.tables import ReportTable
-from pipeline.report.text import column, label, number, prose, spelt
+from pipeline.report.text import column, ended, label, number, prose, share, shell, spelt
 
 
 @pytest.mark.parametrize(
@@ -88,3 +90,73 @@ def test_a_unit_stands_once_in_a_row() -> None:
         ["Peak temperature", "°C", "49.5"],
         ["End SOC", "", "1"],
     ]
+
+
+@pytest.mark.parametrize(
+    ("reason", "told"),
+    [
+        ("stop: soc 0.99", "stop at SOC 99 %"),
+        ("soc 0.9985", "SOC 99.85 %"),
+        ("stop: elapsed 1000 s", "stop at time limit of 1000 s"),
+        ("elapsed 3600 s", "3600 s over"),
+        ("temperature 45 degC", "temperature of 45 °C"),
+        ("stop: temperature rate 0.05 K/s", "stop at temperature rate of 0.05 K/s"),
+        ("voltage below its peak by 0.02 V", "voltage 0.02 V below its peak"),
+        ("current 1e-05 A", "current of 1e-05 A"),
+        ("surplus below 1 W", "surplus below 1 W"),
+        ("stop: the battery's own", "stop: the battery's own"),
+    ],
+)
+def test_what_ended_a_charge_is_said_in_words(reason: str, told: str) -> None:
+    assert ended(reason) == label(reason) == told
+
+
+def test_what_ended_a_charge_is_said_in_words_among_numbers_too() -> None:
+    assert [one.text for one in column(["stop: soc 0.99", 0.5])] == ["stop at SOC 99 %", "0.5"]
+
+
+def test_names_of_the_energy_balance_are_words() -> None:
+    assert label("pair slow") == "RC pair “slow”"
+    assert label("pair_slow_store") == "RC pair “slow”, energy it keeps"
+    assert label("series resistance") == "series resistance"
+
+
+def test_a_column_with_a_name_begins_with_capitals_throughout() -> None:
+    table = ReportTable("t", "T", "", ("quantity", "value"), (("mean_mse", 1.0), ("points", 2.0)))
+    assert [row[0].text for _, rows in view(table).groups for row in rows] == ["Mean MSE", "Points"]
+    table = ReportTable("t", "T", "", ("mode", "value"), (("plain rule", 1.0), ("network", 2.0)))
+    assert [row[0].text for _, rows in view(table).groups for row in rows] == ["plain rule", "network"]
+
+
+def test_signs_of_arithmetic_in_prose() -> None:
+    assert prose("2 x 561 + 1 of L16(4^3), below 10^-6; A (1 - w) / (1 - w + Kp)") == (
+        "2 × 561 + 1 of L16(4³), below 10⁻⁶; A (1 − w) / (1 − w + Kp)"
+    )
+    assert prose("a quick-start, x 2 and well-known - so") == "a quick-start, x 2 and well-known − so"
+    assert share(-0.156) == "−16 %"
+    assert spelt("share that c2 explains; level of w with the least sum; conf/search/c2.yaml, c1=2, w = 1") == (
+        "share that C2 explains; level of W with the least sum; conf/search/c2.yaml, c1=2, w = 1"
+    )
+
+
+@pytest.mark.parametrize(
+    "words",
+    [
+        ["snakemake", "--cores", "2", "solar_reflex"],
+        [
+            "snakemake",
+            "--cores",
+            "2",
+            "results/" + 60 * "a",
+            "results/" + 60 * "b",
+            "--config",
+            "overrides=study=x y=2",
+        ],
+        ["python", "-m", "pipeline", "compare-modes", "--battery", 40 * "a", "--modes", 40 * "b", "key='a b'"],
+    ],
+)
+def test_a_long_command_stands_on_several_lines_of_one_command(words: list[str]) -> None:
+    shown = shell(shlex.join(words))
+    assert shlex.split(shown.replace("\\\n", " ")) == words
+    assert all(len(line) <= 100 for line in shown.splitlines())
+    assert ("\n" in shown) == (len(shlex.join(words)) > 88)

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import argparse
 import io
+import json
 import math
 import shlex
 from collections.abc import Iterator, Mapping, Sequence
@@ -24,6 +25,7 @@ from pipeline.config.choices import parse
 from pipeline.config.compose import options
 from pipeline.config.naming import joined
 from pipeline.errors import UserError, best_matches
+from pipeline.experiments.reporting.announce import lead_to_all
 from pipeline.kernel import registry, store
 from pipeline.kernel.draft import references
 from pipeline.notebook import charges, named
@@ -36,8 +38,6 @@ if TYPE_CHECKING:
 
     from pipeline.notebook.outcome import NotebookCharge
 
-ROOM = "compare_modes"
-"""Folder of these pages below `reports/`."""
 TEMPLATE = Path(__file__).with_name("compare_modes.html.j2")
 DEFAULT_MODES = "cc_cv,cv_pulse,cv_reflex"
 _OF_SUPPLY = ("panel", *named.BETWEEN)
@@ -95,7 +95,7 @@ def main(arguments: Sequence[str]) -> int:
     fed = None if given.panel is None else _fed(given.panel, words)
     compared = Compared(_charged(given.battery, modes, fed, choices), given.battery, tuple(modes), fed, choices)
     identity = [given.battery, *([given.panel] if given.panel else []), "+".join(modes), *sorted(given.values)]
-    page = write(compared, Path(store.REPORTS) / ROOM / joined(identity, identity), arguments)
+    page = write(compared, Path(store.REPORTS) / pages.SIDE_BY_SIDE / joined(identity, identity), arguments)
     table = table_lines(_shown(compared.table()))
     for line in (*map(text.prose, compared.answer()), "", *table, "", *map(text.prose, compared.notes())):
         print(line)
@@ -327,8 +327,9 @@ def write(compared: Compared, folder: Path, arguments: Sequence[str]) -> Path:
     table = compared.table()
     drawn = _svg(compared)
     html = pages.environment(TEMPLATE.parent).get_template(TEMPLATE.name)
+    title = f"{compared.battery.title}: {', '.join(compared.titles)}"
     page = html.render(
-        title=f"{compared.battery.title}: {', '.join(compared.titles)}",
+        title=title,
         command=f"python -m pipeline compare-modes {shlex.join(arguments)}",
         answer=compared.answer(),
         notes=compared.notes(),
@@ -339,6 +340,13 @@ def write(compared: Compared, folder: Path, arguments: Sequence[str]) -> Path:
     store.write_text(folder / "tables" / f"{table.name}.csv", to_csv(table))
     store.write_text(folder / pages.TRACES, traces.script(compared.curves()))
     store.write_text(folder / "index.html", page)
+    question = (
+        f"Which of {len(compared.titles)} modes charges {compared.battery.title} fastest, coolest, with least loss?"
+    )
+    picture = ("figures/modes.svg", pages.size_of(drawn))
+    card = pages.short_card(title, question, compared.answer()[0], picture)
+    store.write_text(folder / "card.json", json.dumps(card, ensure_ascii=False, indent=1) + "\n")
+    lead_to_all(folder.parents[1])
     return folder / "index.html"
 
 

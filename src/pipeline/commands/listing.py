@@ -68,7 +68,7 @@ def batteries(arguments: Sequence[str]) -> int:
     parser = _parser(
         "batteries",
         "Batteries of conf/battery, each chosen with battery=NAME. Chemistry: as its title says. Voltage: at rest, "
-        "half full, 25 degC. Values: how many come from where. Valid: what the measurement covers that it was fitted "
+        "half full, 25 °C. Values: how many come from where. Valid: what the measurement covers that it was fitted "
         "to.",
     )
     parser.add_argument("words", nargs="*", help="words of the name or title, all of them, capitals or not")
@@ -135,7 +135,7 @@ _KINDS = {"data_sheet": "data sheet", "estimate": "estimated"}
 
 
 def _valid(source: Source) -> str:
-    names = {"soc": "SOC {:g} to {:g}", "c_rate": "{:g}C to {:g}C", "temperature_c": "{:g} to {:g} degC"}
+    names = {"soc": "SOC {:g} to {:g}", "c_rate": "{:g}C to {:g}C", "temperature_c": "{:g} to {:g} °C"}
     return ", ".join(names[name].format(*span) for name, span in (source.valid or {}).items())
 
 
@@ -189,7 +189,7 @@ def panels(arguments: Sequence[str]) -> int:
     """Print the panels that have some numbers and words; return 0."""
     parser = _parser(
         "panels",
-        "Panels of conf/panel and of the CEC and Sandia databases, at 1000 W/m2 and 25 degC; each is chosen with "
+        "Panels of conf/panel and of the CEC and Sandia databases, at 1000 W/m² and 25 °C; each is chosen with "
         "panel=NAME or panel.name=NAME (panel.database=sandia beside it). A range: 90..110, 90.., ..110, 36.",
     )
     parser.add_argument("words", nargs="*", help="words of the name, all of them, capitals or not")

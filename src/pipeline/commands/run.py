@@ -65,7 +65,7 @@ def main(arguments: Sequence[str]) -> int:
     profile = profiles.opened(options_.profile)
     plan = swept_plan(words, options_.cores, profile) if swept else planned(words, options_.multirun)
     for line in planfile.remarks(plan):
-        print(line, file=sys.stderr, flush=True)
+        say(line)
     planfile.target(plan, options_.target)
     file = planfile.save(plan, store.RESULTS, say)
     count = sum(len(run.get("sweep", [run])) for run in plan["runs"])

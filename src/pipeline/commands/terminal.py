@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import io
 import logging
+import re
 import shutil
 import sys
 from collections.abc import Iterator, Sequence
@@ -99,8 +100,14 @@ def is_watched() -> bool:
     return sys.stdout.isatty()
 
 
+def printed(text: str) -> str:
+    """Return a sentence with its degrees as people write them; messages of errors keep the spelling of the tables."""
+    return re.sub(r"(?<=\d) degC\b", " °C", text)
+
+
 def say(text: str, bold: bool = False) -> None:
     """Print a sentence: folded at the width of the terminal, in one line where nobody watches."""
+    text = printed(text)
     if not is_watched():
         print(text)
         return

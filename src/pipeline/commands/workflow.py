@@ -11,6 +11,7 @@ from importlib import import_module
 from pathlib import Path
 from typing import Any, Literal
 
+from pipeline.commands.terminal import printed
 from pipeline.errors import UserError
 from pipeline.kernel import archive, lock, planfile, publish, receipts, store
 from pipeline.kernel.last_resort import in_utf8, last_resort, refuse_other_bytes
@@ -270,7 +271,7 @@ def only_looks(words: Sequence[str]) -> bool:
 
 def say(line: str) -> None:
     """Tell a person what is going on, beside what was asked for."""
-    print(line, file=sys.stderr, flush=True)
+    print(printed(line), file=sys.stderr, flush=True)
 
 
 def forced(rule: str, settings: Any) -> bool:

@@ -29,7 +29,7 @@ class DayConditions(Record):
 
 
 class Day(DayConditions):
-    """The days that are held against each other."""
+    """The days that are compared with each other."""
 
     title: str = Field(min_length=1, description="what the days have in common, for people")
     weathers: dict[str, Weather] = Field(min_length=1, description="weather of each day, by name")

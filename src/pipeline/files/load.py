@@ -1,4 +1,4 @@
-"""A load that stands in a person's own file, or in profiles by month, weekday and hour: what it draws on a day."""
+"""A load that stands in a user's file, or in profiles by month, weekday and hour: what it draws on a day."""
 
 from __future__ import annotations
 

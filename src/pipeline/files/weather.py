@@ -1,4 +1,4 @@
-"""A weather that stands in a person's own file: one local day of it, brought onto the panel."""
+"""A weather that stands in a user's file: one local day of it, brought onto the panel."""
 
 from __future__ import annotations
 

@@ -11,6 +11,7 @@ from itertools import groupby
 from pathlib import Path
 from typing import Any, NamedTuple
 
+from pipeline.published.wording import of_differences
 from pipeline.published.words import BASES, WORDS, counted
 from pipeline.report import text
 from pipeline.report.claims import AS_STATED, Rests, claims, count_bar, matrix
@@ -26,7 +27,9 @@ TRACES = "traces.js"
 """The script of the curves over time, beside the page."""
 ON_TOP = ("calibrated", "fitted")
 """Sources of parameters that the page shows first."""
-_GROUPS = ("Studies", "Other runs", "Sweeps")
+_GROUPS = ("Studies", "Other runs", "Sweeps", "Modes side by side")
+SIDE_BY_SIDE = "compare_modes"
+"""Folder below `reports/` of the pages of `python -m pipeline compare-modes`; they belong to no run."""
 _POINTS_PER_PIXEL = 0.75
 
 
@@ -186,8 +189,10 @@ def front(reports: Sequence[Mapping[str, Any]]) -> str:
     Arguments
     ---------
     reports : what `card` returned for each, with its `place` below `reports/`, and under `run` whether the script that
-        tells of the run is there; the studies' own come first.
+        tells of the run is there; the studies' own come first. A run that the study's own page was made from, as it
+        departs in the same and came to the same, has no card beside it.
     """
+    reports = [one for one in reports if not any(_made_from(other, one) for other in reports)]
     groups = [(title, [one for one in reports if _group(one) == title]) for title in _GROUPS]
     places = [one["place"] for one in reports if one["run"]]
     shown = [(title, found) for title, found in groups if found]
@@ -229,7 +234,7 @@ def view(table: ReportTable) -> TableView:
     """Return a table as it is printed: names as words, decimal points in one line, grouped rows under a heading."""
     with_unit = "unit" not in table.header
     columns = [
-        text.column(cells) if numeric else [text.Printed(text.label(cell, with_unit)) for cell in cells]
+        text.column(cells) if numeric else _labels(cells, with_unit)
         for cells, numeric in zip(zip(*table.rows, strict=True), table.numeric(), strict=False)
     ]
     if not with_unit and columns:
@@ -244,6 +249,13 @@ def view(table: ReportTable) -> TableView:
     return TableView(header[1:], numeric[1:], groups, len(rows))
 
 
+def _labels(cells: Sequence[Any], with_unit: bool) -> list[text.Printed]:
+    """Return the cells of a column of words; where one is a name, all begin with a capital letter."""
+    shown = [text.label(cell, with_unit) for cell in cells]
+    named = any(map(text.is_name, cells))
+    return [text.Printed(sentence(one) if named else one) for one in shown]
+
+
 def size_of(svg: str) -> tuple[int, int]:
     """Return width and height of a drawing in pixels, as its head gives them; a usual size where it does not."""
     found = [re.search(rf'<svg[^>]*\b{side}="([\d.]+)(pt)?"', svg) for side in ("width", "height")]
@@ -255,10 +267,20 @@ def size_of(svg: str) -> tuple[int, int]:
 
 def _group(report: Mapping[str, Any]) -> str:
     """Return under which title of the front page a report stands."""
-    studies, other, sweeps = _GROUPS
+    studies, other, sweeps, side_by_side = _GROUPS
+    if report["place"].startswith(f"{SIDE_BY_SIDE}/"):
+        return side_by_side
     if report["place"].count("/") > 1:
         return sweeps
-    return studies if report["counts"] and not report["departs"] else other
+    own = not report["departs"] or report["place"].endswith("/default")
+    return studies if report["counts"] and own else other
+
+
+def _made_from(own: Mapping[str, Any], other: Mapping[str, Any]) -> bool:
+    """Tell whether a study's own page shows another run, which was made before: the same card at another place."""
+    study, _, run = own["place"].partition("/")
+    same = all(own[name] == other[name] for name in own if name not in ("place", "run"))
+    return run == "default" and own is not other and other["place"].startswith(f"{study}/") and same
 
 
 def _by_part(parameters: Sequence[Parameter]) -> list[tuple[str, list[Parameter]]]:
@@ -317,7 +339,9 @@ def environment(*more: Path) -> Any:
     found.filters |= {
         "number": text.number,
         "unit": text.unit,
+        "apart": of_differences,
         "share": text.share,
+        "shell": text.shell,
         "words": text.words,
         "prose": text.prose,
         "view": view,
@@ -330,6 +354,7 @@ def environment(*more: Path) -> Any:
         "bases": BASES,
         "folded": FOLDED,
         "traces_file": TRACES,
+        "side_by_side": f"{SIDE_BY_SIDE}/",
         "most_points": MOST_POINTS,
     }
     return found

@@ -14,6 +14,8 @@ DIGITS = 4
 ROUNDING = 1e-11
 """Share of the largest number of a column below which another is what rounding left over."""
 NOTHING = "–"
+LINE = 88
+"""Characters above which a command stands on several lines."""
 _EXPONENT = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 _NAME = re.compile(r"[A-Za-z][A-Za-z0-9]*(?:_[A-Za-z0-9.]+)+")
 _WITHIN = re.compile(r"(?<![\w./=-])[A-Za-z][A-Za-z0-9]*(?:_[A-Za-z0-9]+)+(?![\w/=-])(?!\.\w)")
@@ -28,8 +30,24 @@ _ENDINGS = {
 _WORDS = {
     "soc": "SOC", "ise": "ISE", "mse": "MSE", "anfis": "ANFIS", "grnn": "GRNN", "cv": "CV", "cc": "CC", "dt": "dt",
     "w": "W", "pid": "PID", "ga": "GA", "rbf": "RBF", "c1": "C1", "c2": "C2", "p": "p", "r": "r",
-    "reflex": "Reflex", "lyapunov": "Lyapunov", "hz": "Hz",
+    "reflex": "Reflex", "lyapunov": "Lyapunov", "hz": "Hz", "takagi": "Takagi", "sugeno": "Sugeno",
 }  # fmt: skip
+# Cells that say a thing by a name of the code's own -> what people call it.
+_PHRASES = {
+    "end_reason": "ended by", "missed": "goal not reached", "steps": "steps of integration", "edges": "edges of pulses",
+    "electrical": "electrical energy", "chemical": "chemical energy", "sensible": "warming of the battery",
+    "ambient": "given off to the surroundings", "iterations_to_within_1_hz": "iterations to within 1 Hz",
+}  # fmt: skip
+_PAIR = re.compile(r"pair[ _](\w+?)([ _]store)?")
+_ENDED = re.compile(
+    r"(stop: )?(elapsed|soc|voltage below its peak by|voltage|current|temperature rate|temperature) ([\d.e+-]+)( \S+)?"
+)
+_LIMITS = {
+    "elapsed": "time limit of {}", "soc": "SOC {}", "voltage below its peak by": "voltage {} below its peak",
+    "temperature rate": "temperature rate of {}",
+}  # fmt: skip
+_KNOB = re.compile(r"(?<![\w/.])(c1|c2|w(?= (?:had|explains|with)\b))(?![\w/.=])")
+"""A knob of the swarm within a sentence, as its tables write it."""
 
 
 def number(value: Any, digits: int = DIGITS) -> str:
@@ -72,7 +90,7 @@ def column(cells: Sequence[Cell]) -> list[Printed]:
     printed = []
     for cell in map(plain, cells):
         left_over = isinstance(cell, float) and 0.0 < abs(cell) < floor
-        printed.append(Printed("≈ 0" if left_over else number(cell), "", not isinstance(cell, str)))
+        printed.append(Printed("≈ 0" if left_over else ended(number(cell)), "", not isinstance(cell, str)))
     widest = "." + "0" * (max((len(_tail(one.text)) for one in printed if one.numeric), default=0) - 1)
     widest = widest if len(widest) > 1 else ""
     return [one._replace(room=widest[len(_tail(one.text)) :] if _has_room(one) else "") for one in printed]
@@ -94,7 +112,31 @@ def unit(symbol: str) -> str:
 
 def prose(text: str) -> str:
     """Return a sentence with its units as they are printed."""
-    return symbols(text).replace(" +- ", " ± ").replace("+-", "±")
+    text = re.sub(r"\b10\^(-?\d+)", lambda found: f"10{found[1].translate(_EXPONENT)}", symbols(text))
+    text = re.sub(r"(?<=[\w)]) - (?=[\w(])", " − ", text)
+    return times(text.replace(" +- ", " ± ").replace("+-", "±"))
+
+
+def times(text: str) -> str:
+    """Return a text with the sign of multiplication between its numbers."""
+    return re.sub(r"(?<=[\d)]) x (?=[\d(])", " × ", text)
+
+
+def ended(reason: str) -> str:
+    """Return what ended a phase or a charge as a data sheet would say it; any other text as it is.
+
+    Arguments
+    ---------
+    reason : as the engine writes it: `stop: soc 0.99`, `elapsed 3600 s`.
+    """
+    found = _ENDED.fullmatch(reason)
+    if found is None:
+        return reason
+    stop, limit, value, symbol = found.groups(default="")
+    amount = f"{100.0 * float(value):.6g} %" if limit == "soc" else f"{value}{symbols(symbol)}"
+    if limit == "elapsed" and not stop:
+        return f"{amount} over"
+    return ("stop at " if stop else "") + _LIMITS.get(limit, f"{limit} of {{}}").format(amount)
 
 
 def symbols(text: str) -> str:
@@ -107,7 +149,23 @@ def symbols(text: str) -> str:
 def share(value: Any) -> str:
     """Return a share as a percentage."""
     cell = plain(value)
-    return f"{100 * float(cell):.0f} %" if cell is not None else NOTHING
+    return _signed(f"{100 * float(cell):.0f}") + " %" if cell is not None else NOTHING
+
+
+def shell(command: str) -> str:
+    """Return a command as a shell takes it; a long one has a line for each file and each option with its values.
+
+    Arguments
+    ---------
+    command : in one line; what is quoted stays together.
+    """
+    if len(command) <= LINE:
+        return command
+    lines: list[str] = []
+    for word in re.findall(r"(?:'[^']*'|\"[^\"]*\"|[^\s'\"])+", command):
+        own_line = not lines or "/" in word or (word.startswith("--") and " " in lines[0])
+        lines = [*lines, word] if own_line else [*lines[:-1], f"{lines[-1]} {word}"]
+    return " \\\n  ".join(lines)
 
 
 def words(name: str) -> str:
@@ -123,13 +181,29 @@ def label(cell: Any, with_unit: bool = True) -> str:
     with_unit : whether the unit is to stand behind the words; not where another column has it.
     """
     text = number(cell)
+    if isinstance(cell, str) and (cell in _PHRASES or _PAIR.fullmatch(cell)):
+        return _PHRASES.get(cell) or rc_pair(cell)
     if not isinstance(cell, str) or not _NAME.fullmatch(cell):
-        return _WORDS.get(text, text)
+        return _WORDS.get(text, ended(text))
+    cell = re.sub(r"_(\d+)_bins$", r",_\1_bins", cell)
     for ending, symbol in _ENDINGS.items():
         if cell.endswith(ending) and cell != ending:
             told = words(cell.removesuffix(ending))
             return _capital(f"{told} [{symbol}]" if with_unit else told)
     return _capital(words(cell))
+
+
+def rc_pair(path: str) -> str:
+    """Return what a path of the energy of an RC pair is called, `pair slow` or `pair slow store` say."""
+    found = _PAIR.fullmatch(path)
+    if found is None:
+        return path
+    return f"RC pair “{found[1].replace('_', ' ')}”{', energy it keeps' if found[2] else ''}"
+
+
+def is_name(cell: Any) -> bool:
+    """Tell whether a cell is a name of the code's own."""
+    return isinstance(cell, str) and _NAME.fullmatch(cell) is not None
 
 
 def spelt(text: str) -> str:
@@ -140,7 +214,8 @@ def spelt(text: str) -> str:
         ending = next(filter(name.endswith, _ENDINGS), "")
         return words(name.removesuffix(ending))
 
-    return re.sub(r"(?<=[\d)]) x (?=[\w(])", " × ", _WITHIN.sub(told, text))
+    text = _KNOB.sub(lambda found: found[1].upper(), _WITHIN.sub(told, text))
+    return re.sub(r"(?<=[\d)]) x (?=[\w(])", " × ", text)
 
 
 def _capital(text: str) -> str:

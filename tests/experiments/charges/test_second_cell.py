@@ -36,9 +36,9 @@ def test_only_statements_that_come_out_otherwise_are_listed():
     assert table.header == ("statement", "tested as", *CELLS)
     assert table.rows == (("claim <2> & more", "at 25 degC", "met: The numbers.", "not met: Other numbers."),)
     said = second_cell.summary(first, second, CELLS)
-    assert said == "Of the 2 statements that charges alone answer, 1 comes out otherwise with Second than with First."
+    assert said == "Of the 2 statements that charges alone answer, 1 has another outcome with Second than with First."
     same = second_cell.summary(first, first, CELLS)
-    assert same == "All 3 statements that charges alone answer come out the same with Second as with First."
+    assert same == "All 3 statements that charges alone answer have the same outcome with Second as with First."
 
 
 def test_both_stand_side_by_side(both: ReportData):

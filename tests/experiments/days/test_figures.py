@@ -145,10 +145,10 @@ def test_the_page_says_what_the_files_were_taken_for(days):
 
 def test_the_sentences_are_computed(days):
     found = page.text(days)
-    assert "CC-CV ends at 12:00 (stop: soc 0.99)" in found
+    assert "CC-CV ends at 12:00 (stop at SOC 99 %)" in found
     assert "CV-Reflex reaches 50.0 % by last light" in found
     assert "CV-Reflex: reflex never ran." in found
-    assert "40 % of it is stored, and for 25 % there is no use" in found
+    assert "40 % of it is stored, and 25 % is not needed" in found
 
 
 @pytest.mark.parametrize(("seconds", "text"), [(0.0, "00:00:00"), (86399.6, "00:00:00"), (45296.0, "12:34:56")])

@@ -13,6 +13,7 @@ from pipeline.config.compose import compose_tree
 from pipeline.config.study import study_from
 from pipeline.errors import UserError
 from pipeline.experiments.functions import function_runs, functions, page
+from pipeline.experiments.functions.figures._parts import PLACES
 from pipeline.experiments.functions.numbers import VOCABULARY, fields
 from pipeline.kernel import digest, publish, store
 from pipeline.kernel.draft import drafts
@@ -98,7 +99,7 @@ def test_the_tables_of_the_page_hold_every_search(data):
     assert len(shown["table_1_functions"].rows) == len(shown["table_2_functions"].rows) == 2 * 3 * 7
     assert len(shown["functions_tests"].rows) == 2 * 3 * 4 * 2
     placements = [row[0] for row in shown["functions_summary"].rows]
-    assert placements == sorted(placements, key=["centred", "shifted", "rotated"].index)
+    assert placements == sorted(placements, key=list(PLACES.values()).index)
     assert page.tables(ReportData(making.inputs({}), {}, {})) == []
 
 

@@ -97,7 +97,7 @@ def test_the_charger_is_drawn_with_the_capacity_in_use(data, words, capacity):
         "\n".join(text.get_text() for text in drawn("charger", shown, part=part).get_axes()[0].texts)
         for part in ("loop", "current_source")
     )
-    assert f"C-rate x {capacity:g} Ah" in loop
+    assert f"C-rate × {capacity:g} Ah" in loop
     networks = data.table("network", "networks")
     highest = float(networks["rate_c"][networks["network"] == "genetic"].max())
     assert f"up to {highest * capacity:g} A" in source

@@ -111,3 +111,28 @@ def test_of_jobs_that_publish_at_once_the_last_has_seen_all(tmp_path: Path) -> N
     text = (tmp_path / "reports/index.html").read_text(encoding="utf-8")
     assert all(f"study_{number}/default/run.js" in text for number in range(8))
     assert not list((tmp_path / "reports").rglob(".*"))
+
+
+def test_a_run_that_the_study_was_made_from_has_no_card_beside_it(tmp_path: Path) -> None:
+    run = report(tmp_path, "one/default", title="One", departs=["functions=full"])
+    report(tmp_path, "one/functions=full", title="One", departs=["functions=full"])
+    report(tmp_path, "one/seed=2", title="One", departs=["seed=2"])
+    announce.published(run, MANIFEST, tmp_path / "results")
+    text = (tmp_path / "reports/index.html").read_text(encoding="utf-8")
+    links = {link for link in Page(text).attributes("href") if link.endswith("index.html")}
+    assert links == {"one/default/index.html", "one/seed=2/index.html"}
+    assert text.index("Studies</h2>") < text.index("Made with") < text.index("Other runs</h2>")
+
+
+def test_modes_side_by_side_have_a_card_without_a_manifest_until_their_page_is_gone(tmp_path: Path) -> None:
+    report(tmp_path, "one/default")
+    report(tmp_path, "compare_modes/cell__cc_cv", counts=[])
+    reports = tmp_path / "reports"
+    announce.lead_to_all(reports)
+    text = (reports / "index.html").read_text(encoding="utf-8")
+    assert text.index("Modes side by side</h2>") < text.index("compare_modes/cell__cc_cv/index.html")
+    assert "../results/one/default/manifest.json" in text
+    assert "results/compare_modes" not in text
+    (reports / "compare_modes/cell__cc_cv/index.html").unlink()
+    announce.lead_to_all(reports)
+    assert "compare_modes" not in (reports / "index.html").read_text(encoding="utf-8")

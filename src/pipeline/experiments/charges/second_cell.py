@@ -7,6 +7,7 @@ from typing import Any
 
 from pipeline.experiments.charges.tables import SECOND
 from pipeline.report.tables import JOULES_PER_WATT_HOUR, Cell, Columns, ReportData, ReportTable
+from pipeline.report.text import rc_pair
 
 Verdicts = Mapping[str, Any]
 MARK = 0.95
@@ -32,24 +33,24 @@ def differing(first: Verdicts, other: Verdicts) -> list[tuple[dict[str, Any], di
 
 
 def summary(first: Verdicts, other: Verdicts, titles: Sequence[str]) -> str:
-    """Return in a sentence how many statements come out otherwise."""
+    """Return in a sentence how many statements have another outcome."""
     asked, count = len(other["statement"]), len(differing(first, other))
     if not count:
-        same = f"come out the same with {titles[1]} as with {titles[0]}"
+        same = f"have the same outcome with {titles[1]} as with {titles[0]}"
         return f"All {asked} statements that charges alone answer {same}."
-    verb = "comes" if count == 1 else "come"
+    verb = "has" if count == 1 else "have"
     return (
-        f"Of the {asked} statements that charges alone answer, {count} {verb} out otherwise with {titles[1]} "
+        f"Of the {asked} statements that charges alone answer, {count} {verb} another outcome with {titles[1]} "
         f"than with {titles[0]}."
     )
 
 
 def statements(first: Verdicts, other: Verdicts, titles: Sequence[str]) -> ReportTable:
-    """Return the statements that come out otherwise, with what each battery's charges came to."""
+    """Return the statements with another outcome, with what each battery's charges came to."""
     rows = [(one["says"], one["reading"], _told(one), _told(found)) for one, found in differing(first, other)]
     return ReportTable(
         "second_differs",
-        "Statements that come out otherwise",
+        "Statements with another outcome",
         "The same conditions, tested on the charges of each battery with the same modes and supply.",
         ("statement", "tested as", *titles),
         tuple(rows),
@@ -74,7 +75,7 @@ def side_by_side(data: ReportData) -> ReportTable:
     return ReportTable(
         "second_charges",
         "Both batteries, charge by charge",
-        "Empty: not reached, or the battery has no such part.",
+        "A dash: not reached, or the battery has no such part.",
         ("charge", "quantity", "unit", *cells(data)),
         tuple(rows),
         grouped=True,
@@ -94,7 +95,7 @@ def _numbers(data: ReportData, comparison: str, mode: str) -> dict[tuple[str, st
         ("energy efficiency, over all drawn", "%"): _per_cent(found.get("system_efficiency")),
         ("heat, all paths", "Wh"): sum(heat.values()),
     }
-    return numbers | {(f"heat: {path}", "Wh"): energy for path, energy in heat.items()}
+    return numbers | {(f"heat: {rc_pair(path)}", "Wh"): energy for path, energy in heat.items()}
 
 
 def _heat(energy: Columns) -> dict[str, float]:

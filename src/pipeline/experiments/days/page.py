@@ -7,6 +7,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from pipeline.experiments.days.numbers import charged, weathers
 from pipeline.report.pages import PageFigure, PageSection
 from pipeline.report.tables import Cell, ReportData, ReportTable, plain, sentence
+from pipeline.report.text import ended
 from pipeline.report.traces import Trace
 
 LABELS = ("day",)
@@ -14,16 +15,16 @@ _HOUR_S = 3600.0
 _ROWS = (
     ("irradiation_kwh_m2", "light on the panel / kWh/m²", 1.0),
     ("sun_wh", "that light at the panel's standard efficiency / Wh", 1.0),
-    ("panel_wh", "lost: cells warmer, light dimmer than standard / Wh", 1.0),
-    ("tracker_wh", "lost beside the maximum power / Wh", 1.0),
-    ("curtailed_wh", "not drawn: the bus has no use for it / Wh", 1.0),
+    ("panel_wh", "lost to warm cells and low light / Wh", 1.0),
+    ("tracker_wh", "lost off the maximum power point / Wh", 1.0),
+    ("curtailed_wh", "not drawn: neither load nor battery needs it / Wh", 1.0),
     ("boost_wh", "heat of the boost converter / Wh", 1.0),
     ("load_wh", "load / Wh", 1.0),
     ("buck_wh", "heat of the buck converter / Wh", 1.0),
     ("resistor_wh", "discharge resistor / Wh", 1.0),
     ("battery_wh", "heat of the battery / Wh", 1.0),
     ("stored_wh", "stored in the battery / Wh", 1.0),
-    ("unserved_wh", "asked for by the load, not given / Wh", 1.0),
+    ("unserved_wh", "demanded by the load, not supplied / Wh", 1.0),
     ("end_soc", "state of charge at last light", 1.0),
     ("ended_clock_s", "ended at / h, local time", _HOUR_S),
     ("charging_s", "time charging, pauses of pulses left out / h", _HOUR_S),
@@ -33,7 +34,7 @@ _ROWS = (
     ("peak_temperature_c", "highest battery temperature / °C", 1.0),
     ("end_temperature_c", "battery temperature at last light / °C", 1.0),
     ("mean_ambient_c", "air, mean of the day / °C", 1.0),
-    ("switchings", "changes of state", 1.0),
+    ("switchings", "switchings", 1.0),
 )
 _STATES = {"off": "off", "mode_1": "Mode 1", "mode_2": "Mode 2", "ended": "ended"}
 
@@ -88,8 +89,8 @@ def numbers(data: ReportData) -> ReportTable:
     return ReportTable(
         "days",
         "The days in numbers",
-        "The parts of the light at the panel's standard efficiency add up to it. Empty: not ended by last light, which "
-        "stands in place of a mode's time limit.",
+        "The parts of the light at the panel's standard efficiency add up to it. A dash: not ended by last light, which"
+        " stands in place of a mode's time limit.",
         ("day", "quantity", *(data.modes[mode].title for mode in modes)),
         tuple(rows),
         grouped=True,
@@ -190,7 +191,7 @@ def text(data: ReportData) -> str:
         unused = 100.0 * first["curtailed_wh"] / first["sun_wh"] if first["sun_wh"] else 0.0
         sentences.append(
             f"{sentence(title)} day, {sky['irradiation_kwh_m2']:.2f} kWh/m²: {'; '.join(parts)}. With "
-            f"{data.modes[modes[0]].title}, {share:.0f} % of it is stored, and for {unused:.0f} % there is no use."
+            f"{data.modes[modes[0]].title}, {share:.0f} % of it is stored, and {unused:.0f} % is not needed."
         )
         sentences += [
             f"{data.modes[mode].title}: {told}."
@@ -227,5 +228,5 @@ def _fate(data: ReportData, weather: str, mode: str, found: Mapping[str, float])
     if "ended_clock_s" in found:
         changes = data.table(f"day/{weather}/{mode}", "switching")
         why = next(str(r) for r, to in zip(changes["reason"], changes["after"], strict=True) if str(to) == "ended")
-        return f"{title} ends at {clock(found['ended_clock_s'])[:5]} ({why})"
+        return f"{title} ends at {clock(found['ended_clock_s'])[:5]} ({ended(why)})"
     return f"{title} reaches {100.0 * found['end_soc']:.1f} % by last light"

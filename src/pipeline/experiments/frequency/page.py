@@ -24,6 +24,11 @@ _OF_A_SEARCH = (
     ("evaluations", "evaluations"),
     ("replicates", "replicates"),
 )
+_SEARCHES = {
+    "swarm": "swarm, tuned C1, C2, W", "swarm_published": "swarm, published C1, C2, W",
+    "uniform": "swarm, uniform numbers", "arcsine": "swarm, arcsine numbers",
+    "published_protocol": "five runs, as published", "sweep": "brute force",
+}  # fmt: skip
 _NUMBERS = {
     "chaos": ("The logistic map in numbers", "Entropies count visits to equal bins over [0, 1]."),
     "objective": (
@@ -147,7 +152,7 @@ def searches(data: ReportData) -> ReportTable:
     """Return a row per search: what it found, how soon, how near."""
     found = data.numbers("search")
     names = [str(name) for name in dict.fromkeys(data.table("search", "statistics")["search"])]
-    rows = [(name.replace("_", " "), *(found.get(f"{name}_{key}") for key, _ in _OF_A_SEARCH)) for name in names]
+    rows = [(_called(name), *(found.get(f"{name}_{key}") for key, _ in _OF_A_SEARCH)) for name in names]
     return ReportTable(
         "searches",
         "The searches",
@@ -163,13 +168,18 @@ def comparison(data: ReportData) -> ReportTable:
     found = _rows(data.table("search", "comparison"), names)
     return ReportTable(
         "comparison",
-        "Search against search",
+        "The searches compared",
         "A: the chance that the first needs more iterations or ends farther off than the second (Vargha and Delaney); "
         "0.5 is no difference. The ends are those of a 95 % interval.",
         ("measure", "first", "second", "A", "low", "high"),
-        tuple(tuple(cell.replace("_", " ") if isinstance(cell, str) else cell for cell in row) for row in found),
+        tuple((measure, *map(_called, row[:2]), *row[2:]) for measure, *row in found),
         grouped=True,
     )
+
+
+def _called(search: Cell) -> str:
+    """Return what a search is called; its name in words where the configuration names another."""
+    return _SEARCHES.get(str(search), str(search).replace("_", " "))
 
 
 def numbers(data: ReportData, source: str) -> ReportTable:

@@ -2,15 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from typing import Any
 
+from pipeline.experiments.functions.figures._parts import NAMES, PLACES
 from pipeline.report.tables import Cell, ReportData, ReportTable, plain
 
 LABELS = ()
+_SEARCHES = {
+    "cuckoo": "plain", "integral_inertia": "integral and inertia", "cuckoo_as_programmed": "plain, as programmed",
+}  # fmt: skip
 _SUMMARY = {
     "zeros": "mean exactly 0",
-    "perfect": "mean below 1e-16",
+    "perfect": "mean below 10⁻¹⁶",
     "always_reached": "always succeeds",
     "mean_success_share": "share that succeeds",
     "mean_rank": "mean rank of the variants",
@@ -34,8 +38,9 @@ def precision(data: ReportData) -> ReportTable:
     """Return mean and deviation of the best values, as the paper's Table 1 has them."""
     rows = tuple(
         (
-            row["function"], row["placement"], _words(row["search"]), plain(row["mean"]), plain(row["deviation"]),
-            plain(row["best"]), plain(row["replicates"]), plain(row["spent"]), plain(row["mean_at_budget"]),
+            _function(row), _place(row["placement"]), _words(row["search"]), plain(row["mean"]),
+            plain(row["deviation"]), plain(row["best"]), plain(row["replicates"]), plain(row["spent"]),
+            plain(row["mean_at_budget"]),
         )
         for row in _rows(data, "statistics")
     )  # fmt: skip
@@ -56,7 +61,7 @@ def speed(data: ReportData) -> ReportTable:
     """Return generations to the threshold and success rate, as the paper's Table 2 has them."""
     rows = tuple(
         (
-            row["function"], row["placement"], _words(row["search"]), plain(row["generations"]),
+            _function(row), _place(row["placement"]), _words(row["search"]), plain(row["generations"]),
             plain(row["generations_deviation"]), plain(row["evaluations"]), plain(100.0 * row["success_share"]),
         )
         for row in _rows(data, "statistics")
@@ -79,11 +84,11 @@ def summary(data: ReportData) -> ReportTable:
     pairs = dict.fromkeys((str(row["placement"]), str(row["search"])) for row in _rows(data, "statistics"))
     placements = list(dict.fromkeys(placement for placement, _ in pairs))
     rows: list[tuple[Cell, ...]] = [
-        (placement, _words(search), *(found.get(f"{search}_{placement}_{name}") for name in _SUMMARY))
+        (_place(placement), _words(search), *(found.get(f"{search}_{placement}_{name}") for name in _SUMMARY))
         for placement, search in sorted(pairs, key=lambda pair: placements.index(pair[0]))
     ]
     chances = "; ".join(
-        f"{placement}: {found[f'{placement}_friedman_p']:.2g}"
+        f"{_place(placement)}: {found[f'{placement}_friedman_p']:.2g}"
         for placement in placements
         if f"{placement}_friedman_p" in found
     )
@@ -106,7 +111,7 @@ def tests(data: ReportData) -> ReportTable:
     """Return the tests of each variant against plain search."""
     rows = tuple(
         (
-            row["placement"], _words(row["search"]), row["measure"], row["function"], plain(row["p"]),
+            _place(row["placement"]), _words(row["search"]), row["measure"], _function(row), plain(row["p"]),
             plain(row["p_holm"]), plain(row["larger"]),
             "better" if row["better"] else "worse" if row["worse"] else "no difference",
         )
@@ -129,5 +134,14 @@ def _rows(data: ReportData, name: str) -> Iterator[dict[str, Any]]:
         yield dict(zip(columns, row, strict=True))
 
 
+def _function(row: Mapping[str, Any]) -> str:
+    return NAMES.get(str(row["function"]), str(row["function"]).replace("_", " "))
+
+
+def _place(placement: str) -> str:
+    return PLACES.get(placement, placement)
+
+
 def _words(name: str) -> str:
-    return name.replace("_", " ")
+    """Return what a search is called, as in the figures."""
+    return _SEARCHES.get(name, name.replace("_", " "))

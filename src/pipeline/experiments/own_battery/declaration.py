@@ -19,7 +19,7 @@ from pipeline.record import Record
 
 
 class OwnBatteryPart(Record):
-    """A person's own measurement, and how a card is made of it."""
+    """A user's measurement, and how a card is made of it."""
 
     measured: Measured | None = Field(default=None, description="files that a cycler or a logger wrote")
     own_battery: Fit = Field(default=Fit(), description="how a card is fitted to them")

@@ -40,11 +40,16 @@ def published(run: Mapping[str, Any], manifest: Mapping[str, Any], results: Path
     else:
         (folder / RUN).unlink(missing_ok=True)
     if reports.is_dir():
-        with _one_at_a_time(reports):
-            found = list(cards(reports))
-            listed = [{"place": one["place"], "title": one["title"]} for one in found]
-            store.write_text(reports / FRONT, front(found))
-            store.write_text(reports / OTHERS, f"window.REPORTS = {json.dumps(listed, ensure_ascii=False)};\n")
+        lead_to_all(reports)
+
+
+def lead_to_all(reports: Path) -> None:
+    """Write the front page of the reports in a folder anew, and the script of their places."""
+    with _one_at_a_time(reports):
+        found = list(cards(reports))
+        listed = [{"place": one["place"], "title": one["title"]} for one in found]
+        store.write_text(reports / FRONT, front(found))
+        store.write_text(reports / OTHERS, f"window.REPORTS = {json.dumps(listed, ensure_ascii=False)};\n")
 
 
 def cards(reports: Path) -> Iterator[dict[str, Any]]:

@@ -34,7 +34,7 @@ def tables(data: ReportData) -> list[ReportTable]:
 
 
 def table_3(data: ReportData) -> ReportTable:
-    """Return currents, time and rise for each weights: the paper's Table 3, whose numbers are lost."""
+    """Return currents, time and rise for each pair of weights: the paper's Table 3, whose numbers are lost."""
     found, stages = data.table("staging", "cases"), data.table("staging", "currents")
     rows: list[tuple[Cell, ...]] = []
     for place, name in enumerate(found["case"].tolist()):
@@ -57,7 +57,7 @@ def table_3(data: ReportData) -> ReportTable:
     header = ("weights", "found by", "rise that is weighed", "time / s", "highest rise / K", "rise at the end / K")
     return ReportTable(
         "table_3",
-        "Currents, time and temperature rise for each weights",
+        "Currents, time and temperature rise by weights",
         "The paper's numbers are lost, but for its currents with 5:5. What the search found, and the best there is for "
         "each way to read the sum of the stages' temperature rises.",
         (*header, *(f"I{n} / A" for n in range(1, count + 1))),

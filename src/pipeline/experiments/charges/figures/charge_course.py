@@ -61,7 +61,7 @@ def draw(figure: FigureCard, data: ReportData) -> Figure:
         for axes in (current, voltage):
             axes.axvline(start, color=style.GREY, linewidth=1.0, linestyle=":")
         voltage.annotate(
-            f"voltage held from {soc:.3g} % SOC,\nfor {_lasting(trace, int(held[0])):.0f} s ", (start, 0.12),
+            f"voltage held\nfrom {soc:.3g} % SOC,\nfor {_lasting(trace, int(held[0])):.0f} s ", (start, 0.24),
             xycoords=("data", "axes fraction"), ha="right", va="center", color=style.GREY,
             bbox=style.BEHIND_WORDS,
         )  # fmt: skip

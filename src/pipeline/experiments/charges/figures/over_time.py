@@ -65,6 +65,7 @@ QUANTITIES = {
 }
 _DIFFERENCES = {"current": "A", "voltage": "V", "soc": "percentage points", "temperature": "K"}
 _ALIKE = 0.02
+_ENDED_SIZE, _ENDED_EDGE = 11.0, 2.4
 """Curves that lie closer than this share of what they span are drawn as differences."""
 
 
@@ -143,12 +144,13 @@ def key_of_band() -> Artist:
     return Patch(facecolor=style.GREY, alpha=0.3, label="range of the pulses")
 
 
-def _key_of_symbol(words: str, size: float = 5.5) -> Artist:
+def _key_of_symbol(words: str, size: float = 5.5, edge: float = 1.0) -> Artist:
     from matplotlib.lines import Line2D
 
     return Line2D(
-        [], [], linestyle="", marker="o", color=style.GREY, markerfacecolor="white", markersize=size, label=words
-    )
+        [], [], linestyle="", marker="o", color=style.GREY, markerfacecolor="white", markersize=size,
+        markeredgewidth=edge, label=words,
+    )  # fmt: skip
 
 
 def _moments(trace: Columns, quantity: Quantity, unit_s: float) -> NDArray[Any]:
@@ -262,9 +264,9 @@ def _other_ends(
         moments, values = _moments(trace, quantity, unit_s), quantity.factor * trace[quantity.column]
         axes.plot(
             moments[-1:], values[-1:], color=marks[mode].colour, marker=marks[mode].marker, linestyle="",
-            markerfacecolor="white", markersize=8.0, zorder=4,
+            markerfacecolor="white", markersize=_ENDED_SIZE, markeredgewidth=_ENDED_EDGE, zorder=4,
         )  # fmt: skip
-        found["ends"] = _key_of_symbol(data.comparisons[shorter], 8.0)
+        found["ends"] = _key_of_symbol(data.comparisons[shorter], 8.0, _ENDED_EDGE)
     return found
 
 

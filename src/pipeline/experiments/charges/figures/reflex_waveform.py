@@ -91,7 +91,10 @@ def _intervals(axes: Axes, edges: np.ndarray, levels: np.ndarray) -> None:
     )
     for line in edges:
         axes.axvline(line, color=style.GREY, linewidth=0.6, linestyle=":")
-    texts = (f"discharge $t_2$ = {lengths[1]:.3g} ms, {-discharge_a:.3g} A", f"rest {lengths[2]:.3g} ms")
+    texts = (
+        f"discharge $t_2$ = {lengths[1]:.3g} ms, {-discharge_a:.3g} A".replace("-", "−"),
+        f"rest {lengths[2]:.3g} ms",
+    )
     for place, (text, side) in enumerate(zip(texts, ("right", "left"), strict=True), start=1):
         if lengths[place] <= 0:
             continue

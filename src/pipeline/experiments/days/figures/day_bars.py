@@ -34,9 +34,9 @@ _ENERGY = {
     "buck_wh": "buck converter",
     "load_wh": "load",
     "boost_wh": "boost converter",
-    "curtailed_wh": "no use for it",
+    "curtailed_wh": "not needed",
     "tracker_wh": "not tracked",
-    "panel_wh": "panel warmer, light dimmer",
+    "panel_wh": "warm cells, low light",
 }
 _HOURS = {
     "current_limited_s": "at the current limit",

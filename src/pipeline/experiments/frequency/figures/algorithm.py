@@ -62,7 +62,7 @@ def draw(figure: FigureCard, data: ReportData) -> Figure:
     _arrows(chart)
     if options.published:
         words = ", ".join(f"{name.upper()} = {value:g}" for name, value in options.published.items())
-        chart.text((10.2, 4.65), f"the paper chose {words}", colour=style.PUBLISHED)
+        chart.text((10.5, 4.8), f"the paper chose {words}", "left", colour=style.PUBLISHED)
     chart.done((-4.4, 15.4), (-1.9, 9.4))
     return drawing
 
@@ -91,14 +91,14 @@ def _boxes(chart: Circuit, settings: Mapping[str, Any], found_hz: float) -> None
         6.0: f"X = X + V, eq. (3);\n{_WALL.get(settings['position_limit'], settings['position_limit'])}",
     }
     for height, words in right.items():
-        chart.box((10.2, height), 9.6, 1.5, words)
+        chart.box((10.2, height), 10.2, 1.5, words)
 
 
 def _arrows(chart: Circuit) -> None:
     for top, bottom in ((7.65, 6.75), (5.25, 4.35), (2.85, 1.85)):
         chart.arrow((0.0, top), (0.0, bottom))
     chart.arrow((0.0, 0.55), (0.0, -0.65), "yes", beside=True)
-    chart.arrow((4.0, 1.2), (5.4, 1.2), "no")
+    chart.arrow((4.0, 1.2), (5.1, 1.2), "no")
     for bottom, top in ((1.95, 2.85), (4.35, 5.25)):
         chart.arrow((10.2, bottom), (10.2, top))
-    chart.arrow((5.4, 6.0), (4.0, 6.0))
+    chart.arrow((5.1, 6.0), (4.0, 6.0))

@@ -125,6 +125,6 @@ def _agreement(axes: Axes, table: Columns, combinations: int) -> None:
     axes.set_ylim(0.0, 0.95 * combinations)
     share, of = 100.0 * table["found_share"].astype(float), float(effort[-1]) if len(effort) else np.nan
     axes.set_title(
-        f"The best itself chosen in {share[-1]:.0f} %\nof repetitions at {of:g} searches" if len(share) else ""
+        f"With {of:g} searches the level sums\nchoose the best itself in {share[-1]:.0f} %" if len(share) else ""
     )
     axes.legend(loc="upper left", fontsize=9)

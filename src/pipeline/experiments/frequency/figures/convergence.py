@@ -35,8 +35,8 @@ class Options(Record):
 Array = NDArray[np.float64]
 
 _AXES = {
-    "frequency": ("position", "Best frequency so far [Hz]", "Its distance from brute force's [Hz]", "{:.2f} Hz"),
-    "ise": ("value", "Least ISE so far [mW² s]", "Its excess over brute force's [mW² s]", "{:.4f} mW² s"),
+    "frequency": ("position", "Best frequency so far [Hz]", "Distance from brute force [Hz]", "{:.2f} Hz"),
+    "ise": ("value", "Least ISE so far [mW² s]", "Excess over brute force [mW² s]", "{:.4f} mW² s"),
 }
 _SMALLEST = {"frequency": 1e-3, "ise": 1e-7}
 

@@ -49,7 +49,7 @@ def _parts(axes: Axes, loss: Columns, numbers: dict[str, float]) -> None:
     frequency = loss["frequency_hz"]
     changing = loss["pair_ripple_w"] + loss["switching_w"]
     curves = (("ripple in the RC pairs", loss["pair_ripple_w"]), ("switches", loss["switching_w"]),
-              ("both, what frequency changes", changing))  # fmt: skip
+              ("sum of both", changing))  # fmt: skip
     for (label, values), mark, width in zip(curves, style.MARKS, (1.3, 1.3, 2.2), strict=False):
         axes.plot(frequency, _MILLI * values, color=mark.colour, linestyle=mark.line, linewidth=width, label=label)
     levels = {

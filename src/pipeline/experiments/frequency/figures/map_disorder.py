@@ -48,7 +48,7 @@ def draw(figure: FigureCard, data: ReportData) -> Figure:
             _near(fields[row, 1], r, values, place)
         fields[row, 1].axhline(0.0, color=style.GREY, linewidth=0.8)
         fields[row, 1].set_ylim(_LOWEST_DIFFERENCE, 0.14)
-        fields[row, 1].set_ylabel("Less that at r = 4 [nat]")
+        fields[row, 1].set_ylabel("Difference from r = 4 [nat]")
         most = dict.fromkeys(f"{r[np.argmax(values)]:.4g}" for r, values in curves.values())
         fields[row, 1].set_title("Close to r = 4: largest at " + ", ".join(most))
     fields[0, 0].axhline(0.0, color=style.GREY, linewidth=0.8)

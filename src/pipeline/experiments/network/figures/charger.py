@@ -12,6 +12,7 @@ from pipeline.record import Record
 from pipeline.report import style
 from pipeline.report.circuit_parts import Circuit
 from pipeline.report.records import FigureCard
+from pipeline.report.text import times
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -91,10 +92,10 @@ def _current_source(
     circuit.part("Line", "battery", (9.65, 7.0), (11.6, 7.0))
     circuit.text((11.7, 7.0), "supply", "left")
     circuit.arrow((9.65, 7.0), (9.65, 8.0), part="signal")
-    circuit.text((10.5, 5.9), f"{battery.get('title', '')}\nup to {highest:g} A", "left")
+    circuit.text((10.5, 5.9), f"{times(battery.get('title', ''))}\nup to {highest:g} A", "left")
     circuit.part("Line", "sense", (9.65, 2.98), (9.65, 2.3))
     circuit.part("Resistor", "sense", (9.65, 2.3), (9.65, 0.4))
-    circuit.text((10.4, 1.35), "sense resistor: the command\nstands over it", "left")
+    circuit.text((10.4, 1.35), "sense resistor: the command\nsets its voltage", "left")
     circuit.placed("Ground", "sense", (9.65, 0.4), "start")
     for start, end in (((9.65, 2.3), (4.3, 2.3)), ((4.3, 2.3), (4.3, 3.06)), ((4.3, 3.06), (5.0, 3.06))):
         circuit.part("Line", "sense", start, end)
@@ -115,9 +116,9 @@ def _loop(circuit: Circuit, battery: Mapping[str, Any], knobs: Mapping[str, floa
     circuit.box((6.7, 0.9), 6.2, 2.1, f"dT/dt\n(T - T a span ago) / span\nspan {span:g} s, in {network['unit']}")
     answer = f"GRNN\n{network['centres']} centres, {network['kernel']} kernel\nT, dT/dt to C-rate"
     circuit.box((13.6, 3.6), 7.0, 2.2, answer)
-    circuit.box((20.6, 3.6), 4.4, 2.2, f"Current\nC-rate x {capacity:g} Ah\n0 A or more")
+    circuit.box((20.6, 3.6), 4.4, 2.2, f"Current\nC-rate × {capacity:g} Ah\n0 A or more")
     circuit.box((26.4, 3.6), 4.4, 2.2, f"Unit delay\none sample,\n{interval:g} s")
-    circuit.box((26.4, -0.9), 4.4, 2.2, f"Battery\n{battery.get('title', '')}".replace(" 600", "\n600"))
+    circuit.box((26.4, -0.9), 4.4, 2.2, f"Battery\n{times(battery.get('title', ''))}".replace(" 600", "\n600"))
     circuit.box((13.6, -0.9), 5.6, 1.7, "Stops: −ΔV, dT/dt,\ntemperature, time")
     circuit.arrow((2.4, 3.6), (10.1, 3.6), "T")
     circuit.arrow((3.0, 3.6), (3.0, 0.9), ends_at=(3.6, 0.9))

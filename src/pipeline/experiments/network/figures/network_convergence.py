@@ -61,12 +61,13 @@ def draw(figure: FigureCard, data: ReportData) -> Figure:
         if value is not None:
             axes.plot(used, value, **style.PUBLISHED_POINT)
             axes.annotate(
-                f"published {words}: {value:.2g}", (used, value), xytext=(9, -11 if words == "best" else 46),
+                f"published {words}: {value:.2g}", (used, value), xytext=(9, -2 if words == "best" else 46),
                 textcoords="offset points", color=style.PUBLISHED, fontsize=9, bbox=style.BEHIND_WORDS, zorder=6,
             )  # fmt: skip
     title = f"Generation {used}: best {best[chosen, used]:.4g}, mean {mean[chosen, used]:.4g}"
     axes.set(xlabel="Generation", ylabel="Mean square error [(C-rate)²]", yscale="log", title=title)
     axes.set_xlim(0.0, generation[-1])
+    axes.set_ymargin(0.1)
     style.above(drawing, *axes.get_legend_handles_labels())
     return drawing
 

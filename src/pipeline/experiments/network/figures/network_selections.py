@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from pydantic import Field
 
+from pipeline.experiments.network.figures.strings import METHODS
 from pipeline.record import Record
 from pipeline.report import style
 from pipeline.report.records import FigureCard
@@ -30,7 +31,7 @@ class Options(Record):
 
 # Zero cannot be drawn on a logarithmic axis; errors below this are rounding.
 _LEAST = 1e-8
-_TITLES = {"anfis": "ANFIS", "grnn": "GRNN of the paper's [7]"}
+_TITLES = METHODS | {"anfis": "ANFIS", "grnn": "GRNN [7] of the paper"}
 
 
 def draw(figure: FigureCard, data: ReportData) -> Figure:
@@ -52,7 +53,7 @@ def draw(figure: FigureCard, data: ReportData) -> Figure:
     for place, name in enumerate(names):
         values = np.maximum(table["mse"][table["method"] == name].astype(float), _LEAST)
         colour = style.MARKS[0].colour if name == "genetic" else style.GREY
-        spread = np.linspace(-0.18, 0.18, len(values)) if len(values) > 1 else np.zeros(1)
+        spread = np.linspace(-0.24, 0.24, len(values)) if len(values) > 1 else np.zeros(1)
         axes.plot(
             values,
             place + spread,
@@ -75,6 +76,7 @@ def draw(figure: FigureCard, data: ReportData) -> Figure:
     axes.set_yticks(range(len(rows)), [_TITLES.get(name, name.replace("_", " ")) for name in rows])
     axes.set(xscale="log", xlabel="Mean square error over the data [(C-rate)²]")
     axes.set_ylim(len(rows) - 0.2, -0.6)
+    axes.set_xmargin(0.08)
     keys = [
         Line2D([], [], color=style.GREY, marker="o", markersize=3.5, linestyle="", label="a run"),
         Line2D([], [], color=style.GREY, marker="|", markersize=14, markeredgewidth=2.2, linestyle="", label="median"),

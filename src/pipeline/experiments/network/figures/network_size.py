@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from pydantic import Field
 
+from pipeline.experiments.network.figures.strings import METHODS
 from pipeline.record import Record
 from pipeline.report import style
 from pipeline.report.records import FigureCard
@@ -47,7 +48,7 @@ def draw(figure: FigureCard, data: ReportData) -> Figure:
     drawing = style.figure(4.0)
     axes = drawing.subplots()
     for mark, method, label in (
-        (style.MARKS[0], "genetic", "genetic algorithm, median"),
+        (style.MARKS[0], "genetic", f"{METHODS['genetic']}, median"),
         (style.MARKS[1], "forward", "forward selection"),
     ):
         own = table["method"] == method
@@ -83,6 +84,7 @@ def _published(axes: Axes, options: Options, units: dict[int, int]) -> None:
         return
     axes.plot(found[:1], [options.published_mse], **style.PUBLISHED_POINT)
     axes.annotate(
-        f"published: {options.published_mse:g} with {options.published_units} units", (found[0], options.published_mse),
-        xytext=(-10, -14), textcoords="offset points", ha="right", color=style.PUBLISHED, fontsize=9,
+        f"published: {options.published_mse:g}\nwith {options.published_units} units",
+        (found[0], options.published_mse),
+        xytext=(0, -8), textcoords="offset points", ha="center", color=style.PUBLISHED, fontsize=9, va="top",
     )  # fmt: skip

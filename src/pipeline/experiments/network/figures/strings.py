@@ -20,17 +20,18 @@ if TYPE_CHECKING:
 
 READS = ("network", "surface")
 Options = NoOptions
-_TITLES = {
-    "genetic": "genetic",
-    "genetic_long": "genetic, longer",
+METHODS = {
+    "genetic": "genetic algorithm",
+    "genetic_long": "the same, longer",
     "exchange": "exchange",
-    "random_best": "best of random",
-    "greedy": "one after the other",
+    "random_best": "best of random sets",
+    "greedy": "greedy selection",
     "least_squares": "least squares",
     "medoids": "medoids",
-    "random": "random",
-    "regular": "regular",
+    "random": "random points",
+    "regular": "regular grid",
 }
+"""What the ways to select centres are called, in every figure."""
 
 
 def draw(figure: FigureCard, data: ReportData) -> Figure:
@@ -46,7 +47,7 @@ def draw(figure: FigureCard, data: ReportData) -> Figure:
     The figure; the paper's own rows come last.
     """
     table = data.table("network", "networks")
-    names = [name for name in _TITLES if name in set(map(str, table["network"]))]
+    names = [name for name in METHODS if name in set(map(str, table["network"]))]
     drawing = style.figure(1.2 + 0.42 * (len(names) + 1))
     left, right = drawing.subplots(1, 2, sharey=True, width_ratios=[1.0, 1.15])
     for height, name in enumerate(names):
@@ -56,7 +57,9 @@ def draw(figure: FigureCard, data: ReportData) -> Figure:
         _points(right, height, table["temperature_c"][rows], table["rate_c"][rows], colour)
     _printed(left, right, len(names), data)
     _sizes(drawing)
-    left.set_yticks(range(len(names) + 1), [*(_TITLES[name] for name in names), "Table II, as far as legible"])
+    left.set_yticks(
+        range(len(names) + 1), [*(METHODS[name] for name in names), "legible in Table II:\nT, dT/dt in K/min"]
+    )
     left.set_ylim(len(names) + 0.6, -0.6)
     left.set_xlim(0.0, 6.0 if not len(table["centre"]) else float(table["centre"].max()))
     left.set_title("String: numbers of the points")

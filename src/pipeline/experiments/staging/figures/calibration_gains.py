@@ -19,6 +19,13 @@ READS = ("front",)
 Options = NoOptions
 
 
+_TITLES = {
+    "full_entropy": "full\nreversible heat",
+    "half_entropy": "half the\nreversible heat",
+    "no_entropy": "no\nreversible heat",
+    "no_entropy_heavy": "none,\nheavier cell",
+}
+"""The calibrations of the study; another is called by its name."""
 _READINGS = {"peak": ("", "at the same highest rise"), "final": ("//", "at the same rise at the end")}
 
 
@@ -50,6 +57,7 @@ def draw(figure: FigureCard, data: ReportData) -> Figure:
             linestyle=mark.line,
             marker=mark.marker,
             markersize=5.0 + 1.5 * (len(names) - 1 - place),
+            label=_titled(name).replace("\n", " "),
         )
     keys = [Patch(**style.filled(style.Part(style.GREY, hatch)), label=words) for hatch, words in _READINGS.values()]
     drawing.legend(handles=keys, loc="outside upper left", ncols=2, fontsize=9)
@@ -59,7 +67,8 @@ def draw(figure: FigureCard, data: ReportData) -> Figure:
             stages["stage"][first], stages["printed_a"][first], **style.PUBLISHED_POINT | {"linestyle": (0, (4, 1.5))}
         )
         currents.text(1.25, float(stages["printed_a"][first][0]) + 0.3, "printed", color=style.PUBLISHED, fontsize=9)
-    saved.set_yticks(range(len(names)), [name.replace("_", " ") for name in names])
+    saved.set_yticks(range(len(names)), [_titled(name) for name in names])
+    currents.legend(loc="upper right", fontsize=8.5)
     saved.invert_yaxis()
     saved.grid(False, axis="y")
     saved.set_xlim(0.0, 1.2 * 100.0 * float(np.max(gains["saved_share"], initial=0.01)))
@@ -68,3 +77,7 @@ def draw(figure: FigureCard, data: ReportData) -> Figure:
     currents.set_ylabel("Current at the same highest rise [A]")
     currents.set_ylim(bottom=0.0)
     return drawing
+
+
+def _titled(name: str) -> str:
+    return _TITLES.get(name, name.replace("_", " "))

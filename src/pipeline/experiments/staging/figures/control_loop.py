@@ -41,7 +41,7 @@ def draw(figure: FigureCard, data: ReportData) -> Figure:
     used = style.MARKS[0].colour
     chart.box((0.0, 0.0), 3.4, 1.6, "best nest\n(reference)")
     chart.box((5.2, 0.0), 3.6, 1.6, "e =\nbest - X", round_by=0.5)
-    proportional = f"P: Kp e, with Kp = -L x {settings['step_scale']:g}\nL: a Lévy number times a normal one"
+    proportional = f"P: Kp e, with Kp = −L × {settings['step_scale']:g}\nL: Lévy number × normal number"
     chart.box((14.2, 2.6), 10.4, 1.7, proportional)
     integral = f"Ki = {settings['ki']:g}, leak = {settings['leak']:g}" if settings["ki"] > 0 else "Ki = 0: left out"
     chart.box((14.2, 0.0), 10.4, 1.7, f"I: Ki (e + leak e' + leak² e'' + ...)\n{integral}", used)

@@ -1,4 +1,4 @@
-"""Currents and temperature rise over the state of charge, for each weights and as printed (Figure 8)."""
+"""Currents and temperature rise over the state of charge, for each pair of weights and as printed (Figure 8)."""
 
 from __future__ import annotations
 

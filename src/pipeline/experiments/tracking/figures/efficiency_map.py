@@ -67,6 +67,7 @@ def draw(figure: FigureCard, data: ReportData) -> Figure:
         _efficiency(fields[0, column], own, seen, which)
         _losses(fields[1, column], own, which)
         fields[1, column].set_xlabel("Input power [W]")
+        fields[1, column].xaxis.set_major_formatter(lambda value, _: f"{value:g}")
     fields[0, 0].set_ylabel("Efficiency [%]")
     fields[1, 0].set_ylabel("Losses [% of the input]")
     handles, _ = fields[1, 1].get_legend_handles_labels()

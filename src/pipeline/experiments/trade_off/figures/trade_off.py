@@ -101,7 +101,10 @@ def _name_rates(axes: Axes, rates: NDArray[Any], minutes: NDArray[Any], peak: ND
         if len(place):
             at = (float(minutes[place[0]]), float(peak[place[0]]))
             axes.plot(*at, ".", color=style.MARKS[0].colour, zorder=6)
-            axes.annotate(f"{rate:g}C", at, xytext=(2, 5), textcoords="offset points", fontsize=8, color="#333333")
+            axes.annotate(
+                f"{rate:g}C", at, xytext=(9, 5), textcoords="offset points", fontsize=8, color="#333333", zorder=7,
+                bbox=style.BEHIND_WORDS,
+            )  # fmt: skip
 
 
 def _modes(axes: Axes, table: Columns, condition: str, data: ReportData) -> None:
