@@ -15,7 +15,13 @@ from typing import Any, TypeVar, cast
 
 import numba
 import numpy as np
-from numba.core import config
+from llvmlite import binding
+from numba.core import config, typed_passes
+from numba.core.codegen import CodeLibrary, JITCodeLibrary
+from numba.core.compiler import CompilerBase, CompileResult, DefaultPassBuilder
+from numba.core.compiler_machinery import PassManager, register_pass
+from numba.core.dispatcher import Dispatcher
+from numba.core.registry import CPUDispatcher
 from numpy.typing import NDArray
 
 from pipeline.kernel.code import of_code
@@ -95,12 +101,133 @@ def by_reference(record: Any) -> NDArray[Any]:
 @cache
 def by_address(signature: Any, function: Callable[..., None]) -> Any:
     """Compile a function of one signature, to be handed to a kernel: all functions of a signature are of one type."""
-    return numba.cfunc(signature, **_settings(function))(function)
+    return numba.cfunc(signature, pipeline_class=_WholeCompiler, **_settings(function))(function)
 
 
 def _compile(function: F, **options: bool) -> F:
-    settings = _settings(function) | options
-    return cast(F, numba.njit(**settings)(function))
+    settings = _settings(function)
+    keep = settings.pop("cache")
+    if config.DISABLE_JIT:  # type: ignore[attr-defined]
+        return function
+    settings |= {"nopython": True, "boundscheck": None, "no_cfunc_wrapper": True} | options
+    made = _Kernel(function, targetoptions=settings, pipeline_class=_WholeCompiler)
+    made.part = _Part(function, targetoptions=settings | {"no_cpython_wrapper": True}, pipeline_class=_PartCompiler)
+    if keep:
+        made.enable_caching()
+    return cast(F, made)
+
+
+class _Kernel(CPUDispatcher):
+    """A function as Python calls it; compiled kernels that call it take it as a part of themselves."""
+
+    part: CPUDispatcher
+
+    def get_call_template(self, args: Any, kws: Any) -> Any:
+        """Return what types a call of a compiled kernel."""
+        return self.part.get_call_template(args, kws)
+
+    def get_overload(self, signature: Any) -> Any:
+        """Return what a compiled kernel calls."""
+        return self.part.get_overload(signature)
+
+
+class _Part(CPUDispatcher):
+    """A function as a compiled kernel calls it: there is nothing of it that Python could call."""
+
+    def add_overload(self, found: CompileResult) -> None:
+        """Keep what was compiled for the kernels that ask for it."""
+        self.overloads[tuple(found.signature.args)] = found
+
+
+class _PartLibrary(JITCodeLibrary):
+    """Code that is only ever part of another: neither optimised nor turned into machine code by itself."""
+
+    def finalize(self) -> None:
+        """Leave the code as it is."""
+        self._finalized = True
+
+    def own(self) -> Any:
+        """Return the code without that of the parts that it calls."""
+        return super()._get_module_for_linking()
+
+    def _get_module_for_linking(self) -> Any:
+        """Return the code with all that it calls, for kernels that were not compiled here."""
+        module = self.own().clone()
+        for library in _below(self._linking_libraries):
+            module.link_in(_code_of(library), preserve=True)
+        return module
+
+
+class _WholeLibrary(JITCodeLibrary):
+    """Code that Python calls, with all its parts: they are optimised and turned into machine code together, once."""
+
+    def finalize(self) -> None:
+        """Take in the parts at every depth; then go on as ever."""
+        module = self._final_module
+        for library in _below(self._linking_libraries):
+            self._reload_init.update(library._reload_init)
+            module.link_in(_code_of(library), preserve=True)
+        self._linking_libraries = []
+        super().finalize()
+
+
+def _below(libraries: list[CodeLibrary]) -> list[CodeLibrary]:
+    """Return libraries and what parts among them call, at every depth."""
+    found: dict[CodeLibrary, None] = {}
+    waiting = list(libraries)
+    while waiting:
+        library = waiting.pop()
+        if library not in found:
+            found[library] = None
+            if isinstance(library, _PartLibrary):
+                waiting += library._linking_libraries
+    return list(found)
+
+
+def _code_of(library: CodeLibrary) -> Any:
+    return library.own() if isinstance(library, _PartLibrary) else library._get_module_for_linking()
+
+
+@register_pass(mutates_CFG=True, analysis_only=False)
+class _PartLowering(typed_passes.NativeLowering):
+    _name = "part_lowering"
+
+    def run_pass(self, state: Any) -> bool:
+        state.library = _PartLibrary(state.targetctx.codegen(), state.func_id.func_qualname)
+        state.flags.no_compile = True
+        super().run_pass(state)
+        # What callers find it by, in place of a function of Python.
+        entry = object()
+        state.targetctx.insert_user_function(entry, state.cr.fndesc, [state.library])
+        state.cr = state.cr._replace(cfunc=entry)
+        return True
+
+
+@register_pass(mutates_CFG=True, analysis_only=False)
+class _WholeLowering(typed_passes.NativeLowering):
+    _name = "whole_lowering"
+
+    def run_pass(self, state: Any) -> bool:
+        state.library = _WholeLibrary(state.targetctx.codegen(), state.func_id.func_qualname)
+        state.library.enable_object_caching()
+        return bool(super().run_pass(state))
+
+
+def _passes(state: Any, lowering: type) -> list[PassManager]:
+    manager = DefaultPassBuilder.define_nopython_pipeline(state)
+    manager.passes = [(lowering if one is typed_passes.NativeLowering else one, of) for one, of in manager.passes]
+    manager.finalize()
+    return [manager]
+
+
+class _PartCompiler(CompilerBase):
+    def define_pipelines(self) -> list[PassManager]:
+        return _passes(self.state, _PartLowering)
+
+
+class _WholeCompiler(CompilerBase):
+    def define_pipelines(self) -> list[PassManager]:
+        return _passes(self.state, _WholeLowering)
 
 
 def _settings(function: Callable[..., Any]) -> dict[str, Any]:
