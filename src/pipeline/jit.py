@@ -16,7 +16,7 @@ from typing import Any, TypeVar, cast
 import numba
 import numpy as np
 from llvmlite import binding
-from numba.core import config, typed_passes
+from numba.core import config, typed_passes, types
 from numba.core.codegen import CodeLibrary, JITCodeLibrary
 from numba.core.compiler import CompilerBase, CompileResult, DefaultPassBuilder
 from numba.core.compiler_machinery import PassManager, register_pass
@@ -123,8 +123,9 @@ class _Kernel(CPUDispatcher):
     part: CPUDispatcher
 
     def get_call_template(self, args: Any, kws: Any) -> Any:
-        """Return what types a call of a compiled kernel."""
-        return self.part.get_call_template(args, kws)
+        """Return what types a call of a compiled kernel; a literal is a number as any, or each would be compiled for."""
+        numbers = {name: types.unliteral(one) for name, one in kws.items()}
+        return self.part.get_call_template(tuple(map(types.unliteral, args)), numbers)
 
     def get_overload(self, signature: Any) -> Any:
         """Return what a compiled kernel calls."""
