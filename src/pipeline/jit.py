@@ -3,6 +3,9 @@
 numba files a compiled function under the place and content of its own module and never looks at the modules it calls.
 Each module's kernels therefore lie in a folder named by the digest of the module and of all that it imports, so that
 copies of the project share what they have in common.
+
+A function that a kernel calls is part of it: typed and translated once a process, then optimised and turned into
+machine code together with its caller, once. numba would do so for each function by itself, and again for all it calls.
 """
 
 from __future__ import annotations
@@ -18,9 +21,8 @@ import numpy as np
 from llvmlite import binding
 from numba.core import config, typed_passes, types
 from numba.core.codegen import CodeLibrary, JITCodeLibrary
-from numba.core.compiler import CompilerBase, CompileResult, DefaultPassBuilder
+from numba.core.compiler import CompilerBase, DefaultPassBuilder, Flags
 from numba.core.compiler_machinery import PassManager, register_pass
-from numba.core.dispatcher import Dispatcher
 from numba.core.registry import CPUDispatcher
 from numpy.typing import NDArray
 
@@ -120,10 +122,10 @@ def _compile(function: F, **options: bool) -> F:
 class _Kernel(CPUDispatcher):
     """A function as Python calls it; compiled kernels that call it take it as a part of themselves."""
 
-    part: CPUDispatcher
+    part: Any
 
     def get_call_template(self, args: Any, kws: Any) -> Any:
-        """Return what types a call of a compiled kernel; a literal is a number as any, or each would be compiled for."""
+        """Return what types a call of a compiled kernel; a literal is a number as any, or each were compiled for."""
         numbers = {name: types.unliteral(one) for name, one in kws.items()}
         return self.part.get_call_template(tuple(map(types.unliteral, args)), numbers)
 
@@ -135,7 +137,7 @@ class _Kernel(CPUDispatcher):
 class _Part(CPUDispatcher):
     """A function as a compiled kernel calls it: there is nothing of it that Python could call."""
 
-    def add_overload(self, found: CompileResult) -> None:
+    def add_overload(self, found: Any) -> None:
         """Keep what was compiled for the kernels that ask for it."""
         self.overloads[tuple(found.signature.args)] = found
 
@@ -171,6 +173,12 @@ class _WholeLibrary(JITCodeLibrary):
         self._linking_libraries = []
         super().finalize()
 
+    def serialize_using_object_code(self) -> Any:
+        """Return the machine code and which functions are in it; nothing is linked with it, so that IR is not kept."""
+        names = [function.name for function in self.get_defined_functions()]
+        stubs = "\n".join(f'define void @"{name}"() {{ ret void }}' for name in names)
+        return self.name, "object", (self._get_compiled_object(), binding.parse_assembly(stubs).as_bitcode())
+
 
 def _below(libraries: list[CodeLibrary]) -> list[CodeLibrary]:
     """Return libraries and what parts among them call, at every depth."""
@@ -185,7 +193,7 @@ def _below(libraries: list[CodeLibrary]) -> list[CodeLibrary]:
     return list(found)
 
 
-def _code_of(library: CodeLibrary) -> Any:
+def _code_of(library: Any) -> Any:
     return library.own() if isinstance(library, _PartLibrary) else library._get_module_for_linking()
 
 
@@ -221,12 +229,28 @@ def _passes(state: Any, lowering: type) -> list[PassManager]:
     return [manager]
 
 
-class _PartCompiler(CompilerBase):
+class _Flags(Flags):
+    """Flags that are told apart quickly: numba does so for every operation whose type it infers."""
+
+    def __hash__(self) -> int:
+        return hash((self.nrt, self.forceinline, self.release_gil))
+
+    def __eq__(self, other: object) -> bool:
+        return (type(other) is _Flags and self._values == other._values) or super().__eq__(other)
+
+
+class _Compiler(CompilerBase):
+    def __init__(self, *arguments: Any) -> None:
+        super().__init__(*arguments)
+        self.state.flags = _Flags(self.state.flags)
+
+
+class _PartCompiler(_Compiler):
     def define_pipelines(self) -> list[PassManager]:
         return _passes(self.state, _PartLowering)
 
 
-class _WholeCompiler(CompilerBase):
+class _WholeCompiler(_Compiler):
     def define_pipelines(self) -> list[PassManager]:
         return _passes(self.state, _WholeLowering)
 
