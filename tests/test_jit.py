@@ -9,9 +9,11 @@ import sys
 from pathlib import Path
 
 import numba
+import numpy as np
 import pytest
+from numba.core.registry import cpu_target
 
-from pipeline.jit import Folder, cache_folder, kernel
+from pipeline.jit import Folder, cache_folder, inlined, kernel
 from pipeline.kernel.places import PACKAGE
 
 ASK = """
@@ -63,3 +65,65 @@ def test_functions_of_others_are_not_kept_here() -> None:
     own = Folder.from_function(kernel, "")
     assert own is not None
     assert own.get_cache_path() == str(cache_folder("pipeline.jit"))
+
+
+@inlined
+def half(x: float) -> float:
+    return 0.5 * x
+
+
+@kernel
+def power_of_half(x: float, times: int) -> float:
+    for _ in range(times):
+        x = half(x)
+    return x
+
+
+@kernel
+def descent(x: float, times: int) -> float:
+    return power_of_half(x, 1) + power_of_half(x, 2) + power_of_half(x, times)
+
+
+@numba.njit
+def descent_of_another(x: float) -> float:
+    return descent(x, 3)
+
+
+def test_what_a_kernel_calls_is_translated_once_and_turned_into_machine_code_with_it() -> None:
+    """Counted by numba itself: what a release of it does otherwise fails here."""
+    assert descent(8.0, 3) == 4.0 + 2.0 + 1.0
+    for part in (half, power_of_half):
+        assert not part.overloads, "compiled for Python, which never called it"
+        [found] = part.part.overloads.values()
+        assert [one.name for one in found.library.get_defined_functions() if "cpython" in one.name] == []
+        engine = cpu_target.target_context.codegen()._engine
+        assert not engine.is_symbol_defined(found.fndesc.llvm_func_name)
+
+
+def test_what_is_part_of_a_kernel_can_be_called_by_python_too() -> None:
+    assert descent(8.0, 3) == 7.0
+    assert half(np.float64(3.0)) == 1.5
+    assert power_of_half(8.0, 3) == 1.0
+    assert len(half.part.overloads) == 1
+
+
+def test_a_function_of_another_can_call_a_kernel_with_all_its_parts() -> None:
+    assert descent_of_another(8.0) == 7.0
+
+
+def test_a_kernel_from_the_cache_is_what_was_compiled(cache: Path) -> None:
+    """It is kept as machine code alone: the second process has nothing to compile it from."""
+    ask = """
+import numpy as np
+from pipeline.search.moves import sine_squared
+print([float(sine_squared(x)).hex() for x in np.linspace(0.0, 3.0, 7)])
+print(sum(sine_squared.stats.cache_hits.values()))
+"""
+    environment = os.environ | {"CHARGE_PIPELINE_CACHE": str(cache)}
+    told = [
+        subprocess.run([sys.executable, "-c", ask], env=environment, capture_output=True, text=True, check=True).stdout
+        for _ in range(2)
+    ]
+    first, second = (one.splitlines() for one in told)
+    assert first[0] == second[0]
+    assert (first[1], second[1]) == ("0", "1")

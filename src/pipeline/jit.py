@@ -3,6 +3,9 @@
 numba files a compiled function under the place and content of its own module and never looks at the modules it calls.
 Each module's kernels therefore lie in a folder named by the digest of the module and of all that it imports, so that
 copies of the project share what they have in common.
+
+A function that a kernel calls is part of it: typed and translated once a process, then optimised and turned into
+machine code together with its caller, once. numba would do so for each function by itself, and again for all it calls.
 """
 
 from __future__ import annotations
@@ -15,7 +18,12 @@ from typing import Any, TypeVar, cast
 
 import numba
 import numpy as np
-from numba.core import config
+from llvmlite import binding
+from numba.core import config, typed_passes, types
+from numba.core.codegen import CodeLibrary, JITCodeLibrary
+from numba.core.compiler import CompilerBase, DefaultPassBuilder, Flags
+from numba.core.compiler_machinery import PassManager, register_pass
+from numba.core.registry import CPUDispatcher
 from numpy.typing import NDArray
 
 from pipeline.kernel.code import of_code
@@ -95,12 +103,156 @@ def by_reference(record: Any) -> NDArray[Any]:
 @cache
 def by_address(signature: Any, function: Callable[..., None]) -> Any:
     """Compile a function of one signature, to be handed to a kernel: all functions of a signature are of one type."""
-    return numba.cfunc(signature, **_settings(function))(function)
+    return numba.cfunc(signature, pipeline_class=_WholeCompiler, **_settings(function))(function)
 
 
 def _compile(function: F, **options: bool) -> F:
-    settings = _settings(function) | options
-    return cast(F, numba.njit(**settings)(function))
+    settings = _settings(function)
+    keep = settings.pop("cache")
+    if config.DISABLE_JIT:  # type: ignore[attr-defined]
+        return function
+    settings |= {"nopython": True, "boundscheck": None, "no_cfunc_wrapper": True} | options
+    made = _Kernel(function, targetoptions=settings, pipeline_class=_WholeCompiler)
+    made.part = _Part(function, targetoptions=settings | {"no_cpython_wrapper": True}, pipeline_class=_PartCompiler)
+    if keep:
+        made.enable_caching()
+    return cast(F, made)
+
+
+class _Kernel(CPUDispatcher):
+    """A function as Python calls it; compiled kernels that call it take it as a part of themselves."""
+
+    part: Any
+
+    def get_call_template(self, args: Any, kws: Any) -> Any:
+        """Return what types a call of a compiled kernel; a literal is a number as any, or each were compiled for."""
+        numbers = {name: types.unliteral(one) for name, one in kws.items()}
+        return self.part.get_call_template(tuple(map(types.unliteral, args)), numbers)
+
+    def get_overload(self, signature: Any) -> Any:
+        """Return what a compiled kernel calls."""
+        return self.part.get_overload(signature)
+
+
+class _Part(CPUDispatcher):
+    """A function as a compiled kernel calls it: there is nothing of it that Python could call."""
+
+    def add_overload(self, found: Any) -> None:
+        """Keep what was compiled for the kernels that ask for it."""
+        self.overloads[tuple(found.signature.args)] = found
+
+
+class _PartLibrary(JITCodeLibrary):
+    """Code that is only ever part of another: neither optimised nor turned into machine code by itself."""
+
+    def finalize(self) -> None:
+        """Leave the code as it is."""
+        self._finalized = True
+
+    def own(self) -> Any:
+        """Return the code without that of the parts that it calls."""
+        return super()._get_module_for_linking()
+
+    def _get_module_for_linking(self) -> Any:
+        """Return the code with all that it calls, for kernels that were not compiled here."""
+        module = self.own().clone()
+        for library in _below(self._linking_libraries):
+            module.link_in(_code_of(library), preserve=True)
+        return module
+
+
+class _WholeLibrary(JITCodeLibrary):
+    """Code that Python calls, with all its parts: they are optimised and turned into machine code together, once."""
+
+    def finalize(self) -> None:
+        """Take in the parts at every depth; then go on as ever."""
+        module = self._final_module
+        for library in _below(self._linking_libraries):
+            self._reload_init.update(library._reload_init)
+            module.link_in(_code_of(library), preserve=True)
+        self._linking_libraries = []
+        super().finalize()
+
+    def serialize_using_object_code(self) -> Any:
+        """Return the machine code and which functions are in it; nothing is linked with it, so that IR is not kept."""
+        names = [function.name for function in self.get_defined_functions()]
+        stubs = "\n".join(f'define void @"{name}"() {{ ret void }}' for name in names)
+        return self.name, "object", (self._get_compiled_object(), binding.parse_assembly(stubs).as_bitcode())
+
+
+def _below(libraries: list[CodeLibrary]) -> list[CodeLibrary]:
+    """Return libraries and what parts among them call, at every depth."""
+    found: dict[CodeLibrary, None] = {}
+    waiting = list(libraries)
+    while waiting:
+        library = waiting.pop()
+        if library not in found:
+            found[library] = None
+            if isinstance(library, _PartLibrary):
+                waiting += library._linking_libraries
+    return list(found)
+
+
+def _code_of(library: Any) -> Any:
+    return library.own() if isinstance(library, _PartLibrary) else library._get_module_for_linking()
+
+
+@register_pass(mutates_CFG=True, analysis_only=False)
+class _PartLowering(typed_passes.NativeLowering):
+    _name = "part_lowering"
+
+    def run_pass(self, state: Any) -> bool:
+        state.library = _PartLibrary(state.targetctx.codegen(), state.func_id.func_qualname)
+        state.flags.no_compile = True
+        super().run_pass(state)
+        # What callers find it by, in place of a function of Python.
+        entry = object()
+        state.targetctx.insert_user_function(entry, state.cr.fndesc, [state.library])
+        state.cr = state.cr._replace(cfunc=entry)
+        return True
+
+
+@register_pass(mutates_CFG=True, analysis_only=False)
+class _WholeLowering(typed_passes.NativeLowering):
+    _name = "whole_lowering"
+
+    def run_pass(self, state: Any) -> bool:
+        state.library = _WholeLibrary(state.targetctx.codegen(), state.func_id.func_qualname)
+        state.library.enable_object_caching()
+        return bool(super().run_pass(state))
+
+
+def _passes(state: Any, lowering: type) -> list[PassManager]:
+    manager = DefaultPassBuilder.define_nopython_pipeline(state)
+    manager.passes = [(lowering if one is typed_passes.NativeLowering else one, of) for one, of in manager.passes]
+    manager.finalize()
+    return [manager]
+
+
+class _Flags(Flags):
+    """Flags that are told apart quickly: numba does so for every operation whose type it infers."""
+
+    def __hash__(self) -> int:
+        return hash((self.nrt, self.forceinline, self.release_gil))
+
+    def __eq__(self, other: object) -> bool:
+        return (type(other) is _Flags and self._values == other._values) or super().__eq__(other)
+
+
+class _Compiler(CompilerBase):
+    def __init__(self, *arguments: Any) -> None:
+        super().__init__(*arguments)
+        self.state.flags = _Flags(self.state.flags)
+
+
+class _PartCompiler(_Compiler):
+    def define_pipelines(self) -> list[PassManager]:
+        return _passes(self.state, _PartLowering)
+
+
+class _WholeCompiler(_Compiler):
+    def define_pipelines(self) -> list[PassManager]:
+        return _passes(self.state, _WholeLowering)
 
 
 def _settings(function: Callable[..., Any]) -> dict[str, Any]:
