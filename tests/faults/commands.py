@@ -16,7 +16,8 @@ from pathlib import Path
 from pipeline.config.naming import run_name
 from pipeline.kernel import digest, lock, receipts, store
 from tests.faults.struck import Tally
-from tests.workflow.conftest import ROOT, Project, copy_parts, small_project
+from tests.workflow.conftest import Project, small_project
+from tests.workflow.parts import ROOT, copy_parts
 
 STUDY = "resting_study"
 PIPELINE = ("pipeline", f"study={STUDY}", "-t", "resting")

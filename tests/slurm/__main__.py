@@ -24,7 +24,7 @@ from pipeline.commands import new
 from pipeline.kernel import store
 from tests.slurm.cluster import Cluster, NotHere, running, still_running
 from tests.slurm.measured import TABLE, read
-from tests.workflow.conftest import copy_parts
+from tests.workflow.parts import copy_parts
 
 ROOT = Path(__file__).resolve().parents[2]
 # Of this cluster alone: it keeps no accounts, and forgets no job; one looks more often than is polite elsewhere.

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import os
 import re
-import shutil
 import subprocess
 import sys
 from collections import Counter
@@ -16,10 +15,9 @@ import pytest
 import yaml
 
 from pipeline.commands import new
+from tests.workflow.parts import ROOT, copy_parts
 
-ROOT = Path(__file__).resolve().parents[2]
 FIGURES = ("panel_curves", "figure_16_battery_temperature", "energy_by_loss_path")
-PARTS = ("Snakefile", "workflow", "profiles", "conf", "src", "requirements.lock")
 
 
 @pytest.hookimpl(tryfirst=True)
@@ -78,17 +76,6 @@ def rules(printed: str) -> Counter[str]:
     table = printed.split("Job stats:")[1].split("total")[0]
     found = {name: int(count) for name, count in re.findall(r"^(\w+)\s+(\d+)$", table, re.MULTILINE)}
     return Counter({name: count for name, count in found.items() if name not in ("all", "job")})
-
-
-def copy_parts(folder: Path) -> None:
-    """Copy what a run needs, as it is."""
-    folder.mkdir(parents=True)
-    for part in PARTS:
-        source = ROOT / part
-        if source.is_dir():
-            shutil.copytree(source, folder / part, ignore=shutil.ignore_patterns("__pycache__"))
-        else:
-            shutil.copy2(source, folder / part)
 
 
 def copy_project(folder: Path) -> Project:

@@ -15,7 +15,8 @@ from pipeline.grnn.network import command
 from pipeline.kernel import store, tables
 from tests.experiments.network.artefacts import SMALL
 from tests.making import declared
-from tests.workflow.conftest import Project, copy_parts
+from tests.workflow.conftest import Project
+from tests.workflow.parts import copy_parts
 from tests.workflow.test_declared_files import opens_only_what_it_declared
 
 pytestmark = [pytest.mark.workflow, pytest.mark.slow]

@@ -11,7 +11,8 @@ from pathlib import Path
 import pytest
 
 from pipeline.kernel import registry
-from tests.workflow.conftest import ROOT, Project, copy_parts
+from tests.workflow.conftest import Project
+from tests.workflow.parts import ROOT, copy_parts
 
 pytestmark = [pytest.mark.workflow, pytest.mark.slow]
 

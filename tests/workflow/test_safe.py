@@ -8,7 +8,8 @@ from collections.abc import Iterator
 
 import pytest
 
-from tests.workflow.conftest import Project, copy_parts
+from tests.workflow.conftest import Project
+from tests.workflow.parts import copy_parts
 
 TITLE = "<script>alert(1)</script>{{ 7*7 }}{% if %}$(touch pwned)`touch pwned`;touch pwned&|<b>&amp;"
 # Snakemake takes quotes from both ends of a value: the word that has them stands at neither.

@@ -13,7 +13,8 @@ from pathlib import Path
 import pytest
 
 from pipeline.kernel import digest, lock
-from tests.workflow.conftest import ROOT, Project, small_project
+from tests.workflow.conftest import Project, small_project
+from tests.workflow.parts import ROOT
 
 pytestmark = [pytest.mark.workflow, pytest.mark.slow]
 
