@@ -156,6 +156,17 @@ def test_a_last_digit_counts_on_the_recorded_machine_alone(
     assert "largest difference let pass: 1e-07 of study/run results/phases.parquet: end_s" in told
 
 
+@pytest.mark.parametrize(("last", "code"), [(4.0 * (1 + 1e-7), 0), (4.1, 1)])
+def test_a_column_of_one_number_may_vary_in_its_last_digit(
+    last: float, code: int, file: Path, elsewhere: Callable[[], None], tmp_path: Path
+) -> None:
+    off, varying = _made(tmp_path / "off", _set("orbit.parquet", "r", [4.0, 4.0, last])), tmp_path / "varying.json"
+    assert _reproduce("--renew", "--expected", varying, "--results", off) == 0
+    elsewhere()
+    assert _reproduce("--expected", file, "--results", off) == code
+    assert _reproduce("--expected", varying, "--results", _made(tmp_path / "same")) == code
+
+
 WRONG = {
     "a column": (_set("phases.parquet", "end_s", [3600.0, 7200.1]), "phases.parquet: end_s most"),
     "a text": (_set("phases.parquet", "end_reason", ["time", "time"]), "phases.parquet: end_reason"),

@@ -127,6 +127,9 @@ def _summary(path: Path, table: TableFile | None) -> dict[str, Any]:
     return {"tables": {"rows": len(next(iter(columns.values()))), **told}} if told else {}
 
 
+_TOLD = ("least", "mean", "most", "last")
+
+
 def _column(values: Sequence[Any]) -> Any:
     """Return a column in a few numbers: one where all are the same, a digest of what is no number."""
     there = [value for value in values if value is not None and value == value]
@@ -137,7 +140,7 @@ def _column(values: Sequence[Any]) -> Any:
     numbers = [float(value) for value in there]
     if min(numbers) == max(numbers) and len(there) == len(values):
         return _rounded(numbers[0])
-    told = {"least": min(numbers), "mean": math.fsum(numbers) / len(numbers), "most": max(numbers), "last": numbers[-1]}
+    told = dict(zip(_TOLD, (min(numbers), math.fsum(numbers) / len(numbers), max(numbers), numbers[-1]), strict=True))
     empty = len(values) - len(there)
     return _rounded(told) | ({"empty": empty} if empty else {})
 
@@ -243,11 +246,20 @@ def _compare(
         at, allowed = f"{place}: {name}", tolerance(name)
         if math.isinf(allowed) or not comparison.both(at, here.get(name, _NONE), there.get(name, _NONE), _NONE):
             continue
-        first, second = dict(_leaves(here[name])), dict(_leaves(there[name]))
+        first, second = (dict(_leaves(one)) for one in _alike(here[name], there[name]))
         sizes = [abs(value) for value in first.values() if _is_number(value)]
         scale = max(sizes, default=0.0) if kind == "tables" else None
         for leaf in sorted(first.keys() | second.keys()):
             comparison.one(kind, at + leaf, first.get(leaf), second.get(leaf), scale, allowed)
+
+
+def _alike(here: Any, there: Any) -> tuple[Any, Any]:
+    """Return two values told alike: a column of one number is told by that number, until its last digit varies."""
+    one, other = (
+        dict.fromkeys(_TOLD, value) if _is_number(value) and isinstance(beside, Mapping) else value
+        for value, beside in ((here, there), (there, here))
+    )
+    return one, other
 
 
 def _leaves(value: Any, place: str = "") -> Iterator[tuple[str, Any]]:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
+from dataclasses import replace
 from typing import Any
 
 from pydantic import Field
@@ -15,6 +16,7 @@ from pipeline.experiments.staging.vocabulary import FRONT, SEARCHED
 from pipeline.kernel.draft import plain, untitled
 from pipeline.kernel.experiment import Effort, Experiment, Label, Node, Step
 from pipeline.kernel.footprint import Footprint
+from pipeline.kernel.tables import CHAOTIC
 from pipeline.published.ensemble import ANSWERS, NAME, asked, estimates
 from pipeline.record import Record
 from pipeline.search import registry
@@ -184,6 +186,8 @@ FRONT_STEP = Step(
 )
 
 
+# Ends of searches, as the front is.
+_ENDS = {name: replace(file, elsewhere={"value": CHAOTIC}) for name, file in ANSWERS.items()}
 STAGE_ENSEMBLE = Step(
     "stage_ensemble",
     rule="stage_over_estimates",
@@ -192,7 +196,7 @@ STAGE_ENSEMBLE = Step(
     settings=_stage_ensemble,
     reads=(*_PROBLEM, "staging.weights", "staging.front", "ensemble", "published", "answer"),
     takes=("staging",),
-    tables=ANSWERS,
+    tables=_ENDS,
     priority=1,
     shown=False,
 )
@@ -208,7 +212,7 @@ SEED_ENSEMBLE = Step(
         *("ensemble", "published", "answer"),
     ),
     takes=("staging",),
-    tables=ANSWERS,
+    tables=_ENDS,
     priority=1,
     shown=False,
 )
