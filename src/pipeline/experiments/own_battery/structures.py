@@ -162,10 +162,14 @@ def _on_grid(curve: Curve, points: int) -> dict[str, Any]:
     return {"soc": grid.tolist(), "value": [value_of(curve, float(soc)) for soc in inside], "scale": 1.0}
 
 
-def warmed(battery: Battery, reference_c: float, energy_j_mol: float = 0.0) -> Battery:
-    """Return a card whose resistances follow temperature where they did not, the same one at the reference [degC]."""
-    tree = _warmed(battery.model_dump(by_alias=True), battery, reference_c, energy_j_mol)
-    return Battery.model_validate(tree)
+def warmed(battery: Battery, reference_c: float) -> Battery:
+    """Return the same card with a law of its resistances over temperature to be found, where it has none.
+
+    Arguments
+    ---------
+    reference_c : temperature at which the law leaves them as they are [degC]; its energy is zero until it is found.
+    """
+    return Battery.model_validate(_warmed(battery.model_dump(by_alias=True), battery, reference_c, 0.0))
 
 
 def _warmed(

@@ -65,8 +65,9 @@ QUANTITIES = {
 }
 _DIFFERENCES = {"current": "A", "voltage": "V", "soc": "percentage points", "temperature": "K"}
 _ALIKE = 0.02
-_ENDED_SIZE, _ENDED_EDGE = 11.0, 2.4
 """Curves that lie closer than this share of what they span are drawn as differences."""
+_ENDED_SIZE, _ENDED_EDGE = 11.0, 2.4
+"""Size of the symbol where a charge of the other comparison ended, and width of its edge [pt]."""
 
 
 def draw(figure: FigureCard, data: ReportData) -> Figure:
