@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 from numba.core.registry import cpu_target
 
-from pipeline.jit import Folder, cache_folder, inlined, kernel
+from pipeline.jit import Folder, Types, cache_folder, inlined, kernel
 from pipeline.kernel.places import PACKAGE
 
 ASK = """
@@ -98,6 +98,14 @@ def test_what_a_kernel_calls_is_translated_once_and_turned_into_machine_code_wit
         assert [one.name for one in found.library.get_defined_functions() if "cpython" in one.name] == []
         engine = cpu_target.target_context.codegen()._engine
         assert not engine.is_symbol_defined(found.fndesc.llvm_func_name)
+
+
+def test_what_is_remembered_of_types_is_what_numba_says() -> None:
+    assert descent(8.0, 3) == 7.0
+    context = cpu_target.typing_context
+    assert len(Types.known) > 1
+    for (function, *args), found in Types.known.items():
+        assert context.resolve_function_type(function, tuple(args), {}) == found
 
 
 def test_what_is_part_of_a_kernel_can_be_called_by_python_too() -> None:

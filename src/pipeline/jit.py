@@ -15,7 +15,7 @@ import tempfile
 from collections.abc import Callable
 from functools import cache
 from pathlib import Path
-from typing import Any, TypeVar, cast
+from typing import Any, ClassVar, TypeVar, cast
 
 import numba
 import numpy as np
@@ -153,7 +153,13 @@ class _Part(CPUDispatcher):
         self.overloads[tuple(found.signature.args)] = found
 
 
-class _PartLibrary(JITCodeLibrary):
+class _Library(JITCodeLibrary):
+    def _optimize_functions(self, ll_module: Any) -> None:
+        # Not function by function: they are optimised with all they call, at the end.
+        ll_module.data_layout = self._codegen._data_layout
+
+
+class _PartLibrary(_Library):
     """Code that is only ever part of another: neither optimised nor turned into machine code by itself."""
 
     def finalize(self) -> None:
@@ -172,7 +178,7 @@ class _PartLibrary(JITCodeLibrary):
         return module
 
 
-class _WholeLibrary(JITCodeLibrary):
+class _WholeLibrary(_Library):
     """Code that Python calls, with all its parts: they are optimised and turned into machine code together, once."""
 
     def finalize(self) -> None:
@@ -183,6 +189,11 @@ class _WholeLibrary(JITCodeLibrary):
             module.link_in(_code_of(library), preserve=True)
         self._linking_libraries = []
         super().finalize()
+
+    def _optimize_final_module(self) -> None:
+        # Once: what numba runs before it makes counts of references cheaper, of which there are none.
+        full, builder = self._codegen._module_pass_manager()
+        full.run(self._final_module, builder)
 
     def serialize_using_object_code(self) -> Any:
         """Return the machine code and which functions are in it; nothing is linked with it, so that IR is not kept."""
@@ -250,9 +261,34 @@ class _Flags(Flags):
         return (type(other) is _Flags and self._values == other._values) or super().__eq__(other)
 
 
+class Types:
+    """numba's context of types, which remembers what operators and functions that are not ours make of some types.
+
+    numba would try every form of an operator again for each of its ten thousand uses.
+    """
+
+    known: ClassVar[dict[tuple[Any, ...], Any]] = {}
+
+    def __init__(self, context: Any) -> None:
+        self._context = context
+
+    def __getattr__(self, name: str) -> Any:
+        return getattr(self._context, name)
+
+    def resolve_function_type(self, function: Any, args: Any, kws: Any) -> Any:
+        """Return the signature of a call; errors are numba's."""
+        if isinstance(function, types.Dispatcher) or kws:
+            return self._context.resolve_function_type(function, args, kws)
+        key = function, *args
+        if key not in self.known:
+            self.known[key] = self._context.resolve_function_type(function, args, kws)
+        return self.known[key]
+
+
 class _Compiler(CompilerBase):
-    def __init__(self, *arguments: Any) -> None:
-        super().__init__(*arguments)
+    def __init__(self, typingctx: Any, *arguments: Any) -> None:
+        super().__init__(typingctx, *arguments)
+        self.state.typingctx = Types(typingctx)
         self.state.flags = _Flags(self.state.flags)
 
 

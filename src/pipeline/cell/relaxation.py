@@ -28,6 +28,8 @@ AT_START = LAGRANGE[0].copy()
 _FACTORIAL = np.array([1.0, 1.0, 2.0])
 _INVERSE_FACTORIAL = np.array([1.0 / math.factorial(k) for k in range(40)])
 _SERIES_BELOW = 3.0
+# Below this nothing is left: an exponential that small takes ten times as long.
+_GONE = -700.0
 PHI = 7
 _FEWEST_TERMS, _MOST_TERMS = 4, 28
 
@@ -91,7 +93,7 @@ def phi_functions(u: float, highest: int, out: NDArray[np.float64]) -> None:
         for k in range(highest - 1, -1, -1):
             out[k] = _INVERSE_FACTORIAL[k] + u * out[k + 1]
     else:
-        out[0] = math.exp(u)
+        out[0] = math.exp(max(u, _GONE))
         for k in range(highest):
             out[k + 1] = (out[k] - _INVERSE_FACTORIAL[k]) / u
 

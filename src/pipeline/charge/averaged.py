@@ -17,10 +17,23 @@ from pipeline.charge.dense import serve
 from pipeline.charge.measured import keep_period, learn, measure, meets_stop, predict, stride_error
 from pipeline.charge.period import Clock
 from pipeline.charge.program import AVERAGED_ABOVE_HZ, Program
-from pipeline.charge.record_keeping import Book, passes_mark, reset_extremes
+from pipeline.charge.record_keeping import SUPPLY_LIMITED_S, VOLTAGE_LIMITED_S, Book, passes_mark, reset_extremes
 from pipeline.charge.segment import NOTHING
 from pipeline.charge.state import DEPTH, RELAXATIONS, Run
-from pipeline.charge.stride import END, FIRST, TRIED, Stride, copy, correct, keep_slope, move, nudge, weigh
+from pipeline.charge.stride import (
+    CHANGES,
+    END,
+    FIRST,
+    TRIED,
+    Stride,
+    copy,
+    correct,
+    improve_slopes,
+    keep_slope,
+    move,
+    nudge,
+    weigh,
+)
 from pipeline.jit import inlined
 
 # What a stride is at: nothing, its first period, those at its nodes, those that tell slopes.
@@ -29,13 +42,23 @@ _IDLE, _AT_START, _AT_NODES, _AT_SLOPES = range(4)
 _RUN, _ATTEMPT, _CORRECT, _TELL_SLOPES, _FINISH, _SHORTEN, _REFUSE = range(7)
 # Periods of the shortest stride: it runs about nine.
 _FEWEST = 16
+# Most of those that run one by one until another is tried.
+_MOST_ALONE = 8 * _FEWEST
 _SETTLING = 4
 _ITERATIONS = 12
 # Mismatch of the forcings, in units of their scales and of the tolerance, at which an iteration ends.
 _CLOSED = 1e-1
 # An iteration that leaves more than this of its mismatch gets new slopes.
 _SLOW = 0.2
+# One that leaves more than this of it tells how the slopes have changed.
+_IMPROVED = 0.02
+# Mismatch of another iteration, in units of the tolerance, below which it is left out; what an iteration is thought to
+# leave at least; strides in a row that may go by the rate of one before them.
+_EXPECTED, _LEAST_RATE, _MOST_TRUSTED = 0.2, 1e-4, 5
 _MUCH_SHORTER = 0.3
+# Error above which a stride is given up before its iterations end, and by how much these may still change it, per unit
+# of their mismatch over the tolerance; those of the shortest stride change next to nothing.
+_HOPELESS, _STILL_OPEN = 2.0, 0.3
 # SOC that a stride moves at most: the start says nothing of what waits at the next knot of a table.
 _MOST_MOVED = 0.01
 LONGEST = 2.0
@@ -46,6 +69,7 @@ LONGEST = 2.0
 def begin_strides(stride: Stride) -> None:
     """Forget what was found in another course."""
     stride.proposal, stride.last, stride.sloped, stride.phase = 0.0, 0, 0, _IDLE
+    stride.rate, stride.refused, stride.slope[:] = math.inf, 0.0, 0.0
 
 
 @inlined
@@ -81,7 +105,7 @@ def next_periods(
                 if todo == _RUN:
                     _accept(cell, program, run, book, clock, stride, course)
             elif todo == _SHORTEN:
-                stride.count = int(stride.count * min(stride.factor, 0.8))
+                stride.count, stride.shortened = int(stride.count * min(stride.factor, 0.8)), 1
                 todo = _ATTEMPT if stride.count >= _FEWEST else _REFUSE
             elif todo == _TELL_SLOPES:
                 stride.phase, stride.part, stride.at = _AT_SLOPES, 0, TRIED
@@ -101,7 +125,7 @@ def next_periods(
         if todo == _REFUSE:
             _restore(run, stride)
             stride.proposal, stride.last = _FEWEST, 0
-            return _FEWEST
+            return _until_smooth(stride)
     if stride.phase == _IDLE:
         alone = _begin(cell, program, supply_time_s, run, book, clock, stride, own, maximum_step_s)
         if alone > 0:
@@ -113,6 +137,19 @@ def next_periods(
     reset_extremes(scratch)
     own.time_s, own.periods, stride.changes_before = 0.0, 0, run.changes
     return 0
+
+
+@inlined
+def _until_smooth(stride: Stride) -> int:
+    """Return how many periods to run one by one after a stride was refused.
+
+    What settles does so exponentially: its error falls below what is allowed as it fell since the last refusal.
+    """
+    error, before, alone = stride.error, stride.refused, _FEWEST
+    if 1.0 < error < before:
+        alone = int(min(max(stride.alone * math.log(error) / math.log(before / error), _FEWEST), _MOST_ALONE)) + 1
+    stride.refused, stride.alone = error, alone
+    return alone
 
 
 @inlined
@@ -153,7 +190,7 @@ def _begin(
     own.sample_interval_s = own.phase_end_s = math.inf
     own.course_start_s = 0.0
     stride.edges_before, stride.all_changes = run.edges, run.changes
-    stride.phase, stride.at = _AT_START, FIRST
+    stride.phase, stride.at, stride.error, stride.shortened = _AT_START, FIRST, 0.0, 0
     stride.parts = RELAXATIONS + cell.relaxations
     copy(stride.before, run.state)
     copy(stride.place[FIRST], run.state)
@@ -192,7 +229,7 @@ def _take_in(cell: Cell, run: Run, stride: Stride, scratch: Book, period_s: floa
     measure(cell, run, stride)
     if stride.phase == _AT_NODES:
         stride.at += 1
-        return _RUN if stride.at < FIRST else _judge(stride, tolerance)
+        return _RUN if stride.at < FIRST else _judge(cell, stride, tolerance)
     keep_slope(stride, stride.part)
     stride.part += 1
     if stride.part < stride.parts:
@@ -213,7 +250,7 @@ def _place_nodes(stride: Stride) -> bool:
 
 
 @inlined
-def _judge(stride: Stride, tolerance: float) -> int:
+def _judge(cell: Cell, stride: Stride, tolerance: float) -> int:
     """Compare what the nodes measured with the forcings that led to them."""
     before, mismatch = stride.mismatch, 0.0
     for j in range(3):
@@ -223,14 +260,62 @@ def _judge(stride: Stride, tolerance: float) -> int:
     stride.mismatch, stride.factor = mismatch, _MUCH_SHORTER
     if not math.isfinite(mismatch):
         return _SHORTEN
-    if mismatch <= _CLOSED * tolerance:
+    if stride.iteration > 0:
+        stride.rate, stride.rate_count, stride.trusted = max(mismatch / before, _LEAST_RATE), stride.count, 0
+    if mismatch <= _CLOSED * tolerance or _will_close(stride, tolerance):
         return _FINISH
-    if mismatch > _SLOW * before:
-        if stride.fresh == 0:
-            return _TELL_SLOPES
-        if mismatch > before and stride.iteration > 2:
-            return _SHORTEN
+    if _is_hopeless(cell, stride, tolerance):
+        return _SHORTEN
+    if stride.iteration > 0 and mismatch > _IMPROVED * before:
+        if mismatch > _SLOW * before:
+            if stride.fresh == 0:
+                return _TELL_SLOPES
+            if mismatch > before and stride.iteration > 2:
+                return _SHORTEN
+        improve_slopes(stride)
     return _CORRECT
+
+
+@inlined
+def _is_hopeless(cell: Cell, stride: Stride, tolerance: float) -> bool:
+    """Tell whether the error of a stride is too large whatever its iterations still change."""
+    few = stride.count <= _FEWEST
+    if stride.iteration == 0 and not few:
+        return False
+    _estimate(cell, stride, tolerance)
+    open_ = 0.0 if few else _STILL_OPEN * stride.mismatch / tolerance
+    if stride.error > _HOPELESS + open_:
+        return True
+    stride.factor = _MUCH_SHORTER
+    return False
+
+
+@inlined
+def _estimate(cell: Cell, stride: Stride, tolerance: float) -> None:
+    """Write the error of a stride, in units of what is allowed, and by what factor the next may be longer."""
+    error = stride_error(cell, stride) / tolerance
+    stride.error = error
+    stride.factor = min(4.0, max(0.2, 0.9 * error ** (-1.0 / 3.0))) if error > 0.0 else 4.0
+
+
+@inlined
+def _will_close(stride: Stride, tolerance: float) -> bool:
+    """Tell whether another iteration would find what the last one did: what it left of the mismatch, once more.
+
+    Without slopes only, for then what was measured is what the iteration leads to. By the rate of an earlier stride
+    only where nothing but the sheet's current limits the charge: what a limit does to the rate is sudden.
+    """
+    expected = stride.rate * stride.mismatch
+    if stride.iteration == 0:
+        if stride.last == 0 or stride.trusted >= _MOST_TRUSTED:
+            return False
+        for j in range(FIRST + 1):
+            added = stride.added[j]
+            if added[CHANGES] + added[VOLTAGE_LIMITED_S] + added[SUPPLY_LIMITED_S] > 0.0:
+                return False
+        expected *= max(1.0, stride.count / stride.rate_count)
+        stride.trusted += 1
+    return bool(stride.sloped == 0 and expected <= _EXPECTED * tolerance)
 
 
 @inlined
@@ -243,9 +328,8 @@ def _finish(cell: Cell, program: Program, stride: Stride, course: int, tolerance
     stride.factor = _MUCH_SHORTER
     if not stride.place[END, DEPTH] > 0.0 or meets_stop(program, stride, course):
         return _SHORTEN
-    error = stride_error(cell, stride) / tolerance
-    stride.factor = min(4.0, max(0.2, 0.9 * error ** (-1.0 / 3.0))) if error > 0.0 else 4.0
-    return _RUN if error < 1.0 else _SHORTEN
+    _estimate(cell, stride, tolerance)
+    return _RUN if stride.error < 1.0 else _SHORTEN
 
 
 @inlined
@@ -264,7 +348,9 @@ def _accept(cell: Cell, program: Program, run: Run, book: Book, clock: Clock, st
     serve(cell, run, book, clock, stride, count)
     for j in range(3):
         copy(stride.past[j], stride.forcing[j])
-    stride.proposal = max(count * stride.factor, float(_FEWEST))
-    stride.last = count
+    # What was too long would be so again.
+    factor = min(stride.factor, 1.0) if stride.shortened == 1 else stride.factor
+    stride.proposal = max(count * factor, float(_FEWEST))
+    stride.last, stride.refused = count, 0.0
     stride.taken += 1
     run.edges += count * program.segments[course]

@@ -239,17 +239,19 @@ def _close(
     The battery's heat is taken at the temperature of the start, then at that of the middle.
     """
     gain, start_k, side_as = run.gain, run.state[TEMPERATURE], pairs.side_as
-    loss, capacity, main_as = 1.0 / cell.thermal_resistance_k_w, cell.heat_capacity_j_k, current * length_s - side_as
+    # Reciprocals, for what is divided waits for nothing else.
+    loss, per_j = 1.0 / cell.thermal_resistance_k_w, 1.0 / cell.heat_capacity_j_k
+    main_as = current * length_s - side_as
     series_j, reversible_jk = lines.ohm * current * current * length_s, main_as * lines.entropy
     warmer, still_j = start_k - REFERENCE_K, series_j + pairs.heat_j + pairs.leaked_j
     heat_j = cell.cells * (still_j + side_as * (lines.open_v + lines.entropy * warmer) + reversible_jk * start_k)
-    half_k = 0.5 * (heat_j - (start_k - ambient_k) * loss * length_s) / capacity
+    half_k = 0.5 * (heat_j - (start_k - ambient_k) * loss * length_s) * per_j
     slow_v = lines.open_v + lines.entropy * (warmer + half_k)
     drift_v = 0.5 * lines.moved * (lines.open_slope + lines.entropy_slope * warmer) + lines.entropy * half_k
     side_j = pairs.leaked_j + side_as * slow_v + pairs.later_as * drift_v
     reversible_j, ambient_j = reversible_jk * (start_k + half_k), (start_k + half_k - ambient_k) * loss * length_s
     heat_j = cell.cells * (series_j + pairs.heat_j + side_j + reversible_j)
-    rise_k = (heat_j - ambient_j) / capacity
+    rise_k = (heat_j - ambient_j) * per_j
     run.end[TEMPERATURE], run.leak[run.segment, _MEAN] = start_k + rise_k, rise_k
     slow_v += lines.ohm * current
     drift_v += 0.5 * lines.moved * lines.ohm_slope * current

@@ -68,14 +68,15 @@ def cross(
     ohm, ohm_slope = value_and_slope(cell, SERIES, middle)
     before_v, after_v, highest_v, passed_vs, pair_j = _follow_pairs(cell, run, current, middle, moved, length_s)
     # The battery's heat at the temperature of the start, then at that of the middle.
-    start_k, loss = state[TEMPERATURE], 1.0 / cell.thermal_resistance_k_w
+    # Reciprocals, for what is divided waits for nothing else.
+    start_k, loss, per_j = state[TEMPERATURE], 1.0 / cell.thermal_resistance_k_w, 1.0 / cell.heat_capacity_j_k
     series_j, reversible_jk = ohm * current * current * length_s, current * entropy * length_s
     heat_j = cell.cells * (series_j + pair_j + reversible_jk * start_k)
-    half_k = 0.5 * (heat_j - (start_k - ambient_k) * loss * length_s) / cell.heat_capacity_j_k
+    half_k = 0.5 * (heat_j - (start_k - ambient_k) * loss * length_s) * per_j
     reversible_j = reversible_jk * (start_k + half_k)
     ambient_j = (start_k + half_k - ambient_k) * loss * length_s
     heat_j = cell.cells * (series_j + pair_j + reversible_j)
-    end[TEMPERATURE] = start_k + (heat_j - ambient_j) / cell.heat_capacity_j_k
+    end[TEMPERATURE] = start_k + (heat_j - ambient_j) * per_j
     slow_v = open_v + entropy * (start_k + half_k - REFERENCE_K) + ohm * current
     by_depth = open_slope + entropy_slope * (start_k - REFERENCE_K) + ohm_slope * current
     drift_v = 0.5 * moved * by_depth + entropy * half_k

@@ -63,6 +63,7 @@ POINTS_PER_SEGMENT = 24
 _ROUNDING = 1e-12
 # Share of the capacity that a rest, which takes in rounding alone, stays below.
 _AT_REST_PER_S = 1e-9
+_PER_HOUR = 1.0 / 3600.0
 
 
 class Book(NamedTuple):
@@ -176,22 +177,22 @@ def take_sample(cell: Cell, run: Run, book: Book, time_s: float, phase: int) -> 
         return
     for n in range(SUMS):
         totals[n] += sums[n]
-    row = book.samples[book.filled[0]]
+    row, per_s = book.samples[book.filled[0]], 1.0 / span
     row[0] = time_s
-    row[1] = book.recent_gains[VOLTAGE_TIME] / span
-    row[2] = (sums[CHARGE_IN] - sums[CHARGE_OUT]) / span
+    row[1] = book.recent_gains[VOLTAGE_TIME] * per_s
+    row[2] = (sums[CHARGE_IN] - sums[CHARGE_OUT]) * per_s
     row[3] = phase + 1
     for n in range(4):
-        row[4 + n] = totals[CHARGE_IN + n] / 3600.0
+        row[4 + n] = totals[CHARGE_IN + n] * _PER_HOUR
     row[8] = run.state[TEMPERATURE]
     row[9] = 1.0 - run.state[DEPTH]
     row[10] = cell.cells * book.extremes[LOWEST_V]
     row[11] = cell.cells * book.extremes[HIGHEST_V]
     row[12] = book.extremes[LOWEST_A]
     row[13] = book.extremes[HIGHEST_A]
-    row[14] = book.recent_gains[SIDE_CHARGE] / span
-    row[15] = sums[SUPPLY_LIMITED_S] / span
-    row[16] = sums[VOLTAGE_LIMITED_S] / span
+    row[14] = book.recent_gains[SIDE_CHARGE] * per_s
+    row[15] = sums[SUPPLY_LIMITED_S] * per_s
+    row[16] = sums[VOLTAGE_LIMITED_S] * per_s
     book.filled[0] += 1
     for n in range(len(book.gains)):
         book.gains[n] += book.recent_gains[n]

@@ -36,6 +36,7 @@ STRIDE = np.dtype(
         ("place", np.float64, (5, PARTS)),
         ("ratio", np.float64, (PARTS,)),
         ("kept", np.float64, (PARTS,)),
+        ("weighed_for", np.float64, (PARTS,)),
         ("left", np.float64, (PARTS, 4)),
         ("weight", np.float64, (PARTS, 3, 4)),
         ("forcing", np.float64, (3, PARTS)),
@@ -48,6 +49,8 @@ STRIDE = np.dtype(
         ("matrix", np.float64, (3 * PARTS, PARTS, 4)),
         ("factors", np.float64, (3 * PARTS, 3 * PARTS)),
         ("pivots", np.int64, (3 * PARTS,)),
+        ("stood", np.float64, (3, PARTS)),
+        ("was", np.float64, (3, PARTS)),
         ("right", np.float64, (3 * PARTS,)),
         ("phi", np.float64, (8,)),
         ("row", np.float64, (3,)),
@@ -56,6 +59,9 @@ STRIDE = np.dtype(
         ("proposal", np.float64),
         ("factor", np.float64),
         ("mismatch", np.float64),
+        ("rate", np.float64),
+        ("error", np.float64),
+        ("refused", np.float64),
         ("phase", np.int64),
         ("at", np.int64),
         ("part", np.int64),
@@ -66,6 +72,11 @@ STRIDE = np.dtype(
         ("all_changes", np.int64),
         ("changes_before", np.int64),
         ("last", np.int64),
+        ("rate_count", np.int64),
+        ("weighed", np.int64),
+        ("shortened", np.int64),
+        ("alone", np.int64),
+        ("trusted", np.int64),
         ("parts", np.int64),
         ("sloped", np.int64),
         ("eliminated", np.int64),
@@ -78,9 +89,14 @@ STRIDE = np.dtype(
 
 place[j] : state before the period at node j, and at the end.
 kept, ratio : what a period leaves of a part of the state, and -log of it.
-left[k, j], weight[k, l, j] : part k at node j is left times its start plus weights times forcings.
+left[k, j], weight[k, l, j] : part k at node j is left times its start plus weights times forcings; `weighed` and
+    `weighed_for` are the count and the ratios that they belong to.
 forcing[l, k] : what the period at node l adds to part k, `measured` what it did.
 slope[m, k] : how what is measured of part m rises with part k.
+stood, was : place and measured of the nodes at the iteration before.
+rate, rate_count : share of the mismatch that the last iteration seen left, and periods of its stride; `trusted`:
+    strides since then that ended by it.
+error, refused : of the stride that is tried, and of the last that was refused, `alone` periods before; 0 where unknown.
 matrix, factors, pivots : what elimination leaves of the system of a correction, and how; `eliminated` where it holds.
 """
 
@@ -94,8 +110,15 @@ def new_stride() -> Stride:
 
 @kernel
 def weigh(stride: Stride, count: int) -> None:
-    """Compute the weights of a stride over so many periods."""
+    """Compute the weights of a stride over so many periods, unless they are those of the stride before."""
     stride.eliminated = 0
+    known = stride.weighed == count
+    for k in range(stride.parts):
+        known = known and stride.weighed_for[k] == stride.ratio[k]
+    if known:
+        return
+    stride.weighed = count
+    copy(stride.weighed_for, stride.ratio)
     like = -1
     for k in range(stride.parts):
         z = stride.ratio[k]
@@ -207,6 +230,27 @@ def keep_slope(stride: Stride, k: int) -> None:
         stride.slope[m, k] = (stride.measured[TRIED, m] - stride.measured[_MIDDLE, m]) / stride.nudge[k]
 
 
+@inlined
+def improve_slopes(stride: Stride) -> None:
+    """Let the slopes give what the last correction did at each node (Broyden's first method, scaled by the nudges).
+
+    Source: C. G. Broyden, Mathematics of Computation 19 (1965) 577.
+    """
+    stride.sloped, stride.eliminated = 1, 0
+    for j in range(3):
+        size = 0.0
+        for k in range(stride.parts):
+            stride.right[k] = (stride.place[j, k] - stride.stood[j, k]) / stride.nudge[k]
+            size += stride.right[k] * stride.right[k]
+        for m in range(stride.parts):
+            miss = stride.measured[j, m] - stride.was[j, m]
+            for k in range(stride.parts):
+                miss -= stride.slope[m, k] * stride.nudge[k] * stride.right[k]
+            for k in range(stride.parts):
+                if size > 0.0:
+                    stride.slope[m, k] += miss * stride.right[k] / (size * stride.nudge[k])
+
+
 @kernel
 def correct(stride: Stride) -> None:
     """Move the forcings towards what was measured, by Newton's method where slopes are known.
@@ -214,6 +258,9 @@ def correct(stride: Stride) -> None:
     Everything in units of the scales: one equation for each part and node.
     """
     parts, scale, right = stride.parts, stride.scale, stride.right
+    for j in range(3):
+        copy(stride.stood[j], stride.place[j])
+        copy(stride.was[j], stride.measured[j])
     for m in range(parts):
         for j in range(3):
             right[3 * m + j] = (stride.measured[j, m] - stride.forcing[j, m]) / scale[m]

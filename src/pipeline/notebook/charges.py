@@ -296,7 +296,7 @@ def _engine(tasks: Sequence[Task]) -> tuple[Callable[..., Any], Callable[..., An
     missing = kernels_of(tasks) - _SAID
     if missing:
         _SAID.update(missing)
-        long = "about 45 s" if "periods" in missing else "about 25 s"
+        long = "about 40 s" if "periods" in missing else "about 20 s"
         folder = cache_folder("pipeline.charge.drive").parent
         print(f"compiling the charge engine: once, {long}; kept in {folder}", file=sys.stderr, flush=True)  # noqa: T201
     return simulate, simulate_many
