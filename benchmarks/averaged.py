@@ -21,7 +21,7 @@ from pipeline.charge.records import ChargeSettings, EngineSettings, Mode
 from pipeline.charge.simulate import BENCH, Charge, Task, simulate, simulate_many, warm_up
 
 PACKAGES = ("numba",)
-SECONDS, SIZE = 3600.0, 256
+SECONDS, SIZES = 3600.0, (256, 1024)
 DRIVERS = ("averaged", "edge")
 FREQUENCIES = (20.0, 90.0, 500.0)
 ERROR_ASKED = 1e-6
@@ -63,7 +63,7 @@ def rows() -> list[Row]:
         name = f"averaged, {case.name}: {FREQUENCIES[-1]:g} Hz"
         peer = f"the same at {FREQUENCIES[0]:g} Hz"
         made.append(compared(name, peer, walls["fast"], walls["slow"], case.flat, "at most"))
-    return [*made, *_populations()]
+    return [*made, *(row for size in SIZES for row in _populations(size))]
 
 
 def _solver(case: Case, frequency_hz: float, driver: str) -> Callable[[], object]:
@@ -97,14 +97,14 @@ def _against_edge(case: Case, frequency_hz: float, compile_s: float) -> list[Row
     return [row, compared(f"{name}, whole simulate", "edge, whole simulate", walls["whole"], walls["whole edge"])]
 
 
-def _populations() -> Iterator[Row]:
+def _populations(size: int) -> Iterator[Row]:
     """Yield a charge of a population, its summary read, against the same by itself; two threads against one.
 
     The batteries are the common model with its resistances, time constants and heat capacity scattered by a fifth. Two
     threads share what runs until all charges are there; summaries and tables are made afterwards, where they are read.
     """
     random = np.random.default_rng(1)
-    batteries = [_scattered(common_model.battery(), random.uniform(0.8, 1.2, 4)) for _ in range(SIZE)]
+    batteries = [_scattered(common_model.battery(), random.uniform(0.8, 1.2, 4)) for _ in range(size)]
     for name, limit_v, figure in (("unclipped", None, Figure(2.5)), ("clipped", 12.35, None)):
         mode = sheets.reflex(SECONDS, limit_v=limit_v)
         tasks = [_task(battery, mode) for battery in batteries]
@@ -115,8 +115,8 @@ def _populations() -> Iterator[Row]:
             "one thread": partial(simulate_many, tasks, 1),
         }
         runs["together"]()
-        one = {run: times.scaled(1.0 / SIZE) for run, times in interleaved(runs).items()}
-        title = f"a charge among {SIZE} of an hour, {name}"
+        one = {run: times.scaled(1.0 / size) for run, times in interleaved(runs).items()}
+        title = f"a charge among {size} of an hour, {name}"
         yield compared(title, "by itself", one["together"], one["one by one"], figure)
         yield compared(f"{title}, two threads", "one thread", one["two threads"], one["one thread"], Figure(1.7))
 

@@ -15,6 +15,7 @@ from pipeline.charge.drive import run_program
 from pipeline.charge.period import new_clock
 from pipeline.charge.program import Program
 from pipeline.charge.record_keeping import PHASE_COLUMNS, SAMPLE_COLUMNS, SUMS, WAVEFORM_COLUMNS, Book
+from pipeline.charge.room import room_for
 from pipeline.charge.settling import Settled, settle
 from pipeline.charge.state import DEPTH, HYSTERESIS, QUANTITIES, RUN, TEMPERATURE, new_run
 from pipeline.charge.stride import PARTS, STRIDE, copy, new_stride
@@ -170,7 +171,7 @@ def new_lot(
     most = end[-1]
     return Lot(
         cells, programs, conditions, places, *supplies, end - rooms, end,
-        np.empty((most[SAMPLES], SAMPLE_COLUMNS)), np.empty((most[PHASES], PHASE_COLUMNS)),
+        room_for(int(most[SAMPLES]), SAMPLE_COLUMNS), np.empty((most[PHASES], PHASE_COLUMNS)),
         np.empty((most[POINTS], WAVEFORM_COLUMNS)), marks, windows,
         np.zeros((count, 4), dtype=np.int64), np.zeros((count, SUMS)), np.zeros((count, 4)), np.zeros((count, SUMS)),
         np.zeros((count, GAINS)), np.zeros((count, GAINS)), np.zeros((count, 1)), np.zeros((count, PARTS)),

@@ -48,7 +48,7 @@ from pipeline.charge.soundness import FAULTS, FOUND, SOUND, Group, Looked, Sheet
 from pipeline.charge.task import Charge, Supply, Task
 from pipeline.errors import EngineError
 
-BLOCK, FIRST = 128, 32
+BLOCK, FIRST = 128, 16
 """Charges that are prepared together; those of the first block, which nothing runs beside."""
 FEW = 8
 """Charges of which fewer are run one by one: nothing is compiled for them that single ones do not need."""
@@ -170,8 +170,10 @@ def charge_many(tasks: Sequence[Task], threads: int, alone: Alone) -> Iterator[C
     threads : charges under way at once.
     alone : charges one battery; its errors are those of `simulate`.
     """
-    with ThreadPoolExecutor(max_workers=threads) as pool:
-        if len(tasks) < FEW:
+    few = len(tasks) < FEW
+    # The caller's own thread charges too, once it has prepared what the others need.
+    with ThreadPoolExecutor(max_workers=threads if few else max(threads - 1, 1)) as pool:
+        if few:
             yield from pool.map(partial(_check_and_attempt, alone), tasks)
             return
         known, desks = _Known(), SimpleQueue[Desk]()
@@ -182,7 +184,7 @@ def charge_many(tasks: Sequence[Task], threads: int, alone: Alone) -> Iterator[C
         while begin < len(tasks):
             block = tasks[begin : begin + size]
             under_way.append(_start(block, known, desks, partial(_attempt, alone), threads, pool))
-            begin, size = begin + size, BLOCK
+            begin, size = begin + size, min(2 * size, BLOCK)
             if len(under_way) > AHEAD:
                 yield from under_way.popleft()()
         while under_way:
@@ -217,28 +219,28 @@ def _start(
     threads: int,
     pool: ThreadPoolExecutor,
 ) -> Callable[[], list[Charge | Failure]]:
-    """Prepare a block and let it run; return what waits for its end and returns its charges."""
+    """Prepare a block and let others run it; return what runs with them to its end and returns its charges."""
     room = _room()
     block = _prepared(tasks, known, room)
-    parts: list[Callable[[], object]] = []
-    if block.lot is not None:
-        parts = [partial(_run, block.lot, block.runs[0], desks)] * min(threads, len(block.rows))
+    part = None if block.lot is None else partial(_run, block.lot, block.runs[0], desks)
     by_itself = [n for n in range(len(tasks)) if n not in block.rows and n not in block.failures]
-    single = {n: partial(alone, tasks[n]) for n in by_itself}
-    if threads == 1:
-        waiting, singles = parts, single
-    else:
-        waiting = [pool.submit(part).result for part in parts]
-        singles = {n: pool.submit(one).result for n, one in single.items()}  # type: ignore[misc]
+    others = 0 if part is None else min(threads, len(block.rows)) - 1
+    waiting = [pool.submit(part) for _ in range(others)] if part is not None else []
+    singles = {n: pool.submit(alone, tasks[n]) for n in by_itself} if threads > 1 else {}
 
     def finish() -> list[Charge | Failure]:
-        for wait in waiting:
-            wait()
+        if part is not None:
+            part()
+        for other in waiting:
+            other.result()
+        # From the end, where the others have not come to.
+        own = {n: alone(tasks[n]) for n in reversed(by_itself) if threads == 1 or singles[n].cancel()}
         # What has run does not hold on to room for cells.
         done = block if block.lot is None else block._replace(lot=block.lot._replace(cells=_NO_CELLS))
         _ROOMS.put(room)
         status = [] if done.lot is None else done.lot.status.tolist()
-        return [singles[n]() if n in singles else _charge(done, status, n) for n in range(len(tasks))]
+        own |= {n: one.result() for n, one in singles.items() if n not in own}
+        return [own[n] if n in own else _charge(done, status, n) for n in range(len(tasks))]
 
     return finish
 
