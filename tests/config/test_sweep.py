@@ -129,6 +129,8 @@ def test_names_are_the_shortest_that_tell_keys_apart() -> None:
         (["modes.run=[cc_cv,cv_reflex]"], "modes.run=cc_cv+cv_reflex"),
         (["modes.cv_reflex.frequency_hz=50", "battery=a"], "battery=a__modes.cv_reflex.frequency_hz=50"),
         (["~battery@second_battery"], "~battery@second_battery"),
+        (["+battery.scaled_to_capacity_ah=2.2"], "battery.scaled_to_capacity_ah=2.2"),
+        (["measured.file=data/june.csv"], "measured.file=data.june.csv"),
     ],
 )
 def test_names_of_runs(overrides: list[str], name: str) -> None:
@@ -140,6 +142,12 @@ def test_names_of_other_runs_are_told_apart_by_a_digest(word: str) -> None:
     name = naming.run_name([word])
     assert re.fullmatch(r"[A-Za-z0-9_.+=~@-]{1,100}", name)
     assert name != naming.run_name([f"{word}1"])
+
+
+def test_a_file_named_from_the_root_stands_in_a_name_by_its_last_word() -> None:
+    names = [naming.run_name([f"measured.more=[/home/{who}/june.csv, '/home/{who}/my data/july.csv']"]) for who in "ab"]
+    assert all(re.fullmatch(r"measured\.more=june\.csv\+july\.csv-[0-9a-f]{8}", name) for name in names)
+    assert len(set(names)) == 2
 
 
 def test_the_work_of_a_job_is_seconds() -> None:

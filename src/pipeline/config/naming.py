@@ -10,6 +10,7 @@ from typing import Any
 from pipeline.kernel import digest
 
 LONGEST = 100
+_FOLDERS = re.compile(r"(?<=[=,\[])\s*['\"]?[/~][^,\]]*/")
 _UNUSUAL = re.compile(r"[^A-Za-z0-9_.+=~@-]+")
 
 
@@ -34,14 +35,18 @@ def joined(parts: Sequence[str], identity: Sequence[str]) -> str:
 
 
 def _plain(part: str) -> tuple[str, bool]:
-    """Return a part of a name without letters that a shell takes for its own, and whether it tells as much."""
-    text = part.replace("/", ".").replace("'", "").replace('"', "").replace(" ", "")
+    """Return a part of a name without letters that a shell takes for its own, and whether it tells as much.
+
+    Of a file that is named from the root the last word stands for the whole.
+    """
+    near = _FOLDERS.sub("", part.lstrip("+"))
+    text = near.replace("/", ".").replace("'", "").replace('"', "").replace(" ", "")
     key, sign, value = text.partition("=")
     if value[:1] == "[" and value[-1:] == "]" and not set("[]+{}") & set(value[1:-1]):
         # A list without lists in it.
         text = f"{key}{sign}{value[1:-1].replace(',', '+')}"
     found = _UNUSUAL.sub("-", text)
-    return found, found == text
+    return found, found == text and near == part.lstrip("+")
 
 
 def short(keys: Iterable[str], tree: Mapping[str, Any]) -> dict[str, str]:
