@@ -248,3 +248,15 @@ def test_its_work_does_not_grow_with_the_frequency():
         for f in (20.0, 500.0)
     ]
     assert steps[1] < 1.5 * steps[0]
+
+
+@pytest.mark.parametrize(("initial_soc", "limit_v"), [(0.3, None), (0.85, 13.9)])
+def test_a_tighter_tolerance_asks_for_more_strides_not_for_every_period(initial_soc, limit_v):
+    mode = periodic("reflex", 0.3, limit_v, 1800.0, 90.0)
+    steps = {
+        tolerance: values(charge(LEAD, mode, settings(initial_soc), engine=EngineSettings(tolerance=tolerance)))
+        for tolerance in (1e-6, 1e-7, 1e-8)
+    }
+    for tolerance, found in steps.items():
+        assert found["steps"] < 1e-2 * found["edges"] * (1e-6 / tolerance) ** 0.5, tolerance
+    assert steps[1e-6]["energy_in_wh"] == pytest.approx(steps[1e-8]["energy_in_wh"], rel=1e-6)

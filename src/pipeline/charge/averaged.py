@@ -50,14 +50,14 @@ _ITERATIONS = 12
 _CLOSED = 1e-1
 # An iteration that leaves more than this of its mismatch gets new slopes.
 _SLOW = 0.2
-# One that leaves more than this of it tells how the slopes have changed.
-_IMPROVED = 0.02
+# One that leaves more than this of it tells how the slopes have changed, unless it was nearly rounding already.
+_IMPROVED, _ROUNDED = 0.02, 1e-6
 # Mismatch of another iteration, in units of the tolerance, below which it is left out; what an iteration is thought to
 # leave at least; strides in a row that may go by the rate of one before them.
 _EXPECTED, _LEAST_RATE, _MOST_TRUSTED = 0.2, 1e-4, 5
 _MUCH_SHORTER = 0.3
 # Error above which a stride is given up before its iterations end, and by how much these may still change it, per unit
-# of their mismatch over the tolerance; those of the shortest stride change next to nothing.
+# of their mismatch over the tolerance.
 _HOPELESS, _STILL_OPEN = 2.0, 0.3
 # SOC that a stride moves at most: the start says nothing of what waits at the next knot of a table.
 _MOST_MOVED = 0.01
@@ -272,19 +272,18 @@ def _judge(cell: Cell, stride: Stride, tolerance: float) -> int:
                 return _TELL_SLOPES
             if mismatch > before and stride.iteration > 2:
                 return _SHORTEN
-        improve_slopes(stride)
+        if before > _ROUNDED:
+            improve_slopes(stride)
     return _CORRECT
 
 
 @inlined
 def _is_hopeless(cell: Cell, stride: Stride, tolerance: float) -> bool:
     """Tell whether the error of a stride is too large whatever its iterations still change."""
-    few = stride.count <= _FEWEST
-    if stride.iteration == 0 and not few:
+    if stride.iteration == 0:
         return False
     _estimate(cell, stride, tolerance)
-    open_ = 0.0 if few else _STILL_OPEN * stride.mismatch / tolerance
-    if stride.error > _HOPELESS + open_:
+    if stride.error > _HOPELESS + _STILL_OPEN * stride.mismatch / tolerance:
         return True
     stride.factor = _MUCH_SHORTER
     return False
