@@ -100,6 +100,28 @@ def test_the_modes_of_the_configuration_are_the_same_whatever_the_order_and_the_
         assert found.summary == own.summary
 
 
+def test_charges_of_one_mode_that_end_differently_are_told_apart():
+    mode = Mode(
+        title="goals",
+        phases={
+            "bulk": {"constant_current": {"current_a": 2.0}, "until": {"voltage_v": 13.2}},
+            "hold": {"constant_voltage": {"voltage_v": 13.2, "max_current_a": 2.0}, "until": {"current_a": 1.5}},
+        },
+        stop={"elapsed_s": 600.0, "soc": 0.9},
+    )
+    starts = [0.2, 0.4, 0.5, 0.6, 0.7, 0.8, 0.85, 0.89, 0.9 - 1e-10, 0.9 - 1e-8]
+    asked = [
+        Task(battery("lead_acid_12v7ah"), mode, supply, settings(soc, soc_marks=[0.5, 0.9]), ENGINE)
+        for supply in (BENCH, SUN)
+        for soc in starts
+    ]
+    found = simulate_many(asked)
+    for one, task in zip(found, asked, strict=True):
+        assert_same(one, simulate(*task))
+    words = {tuple(row.text for row in one.summary if row.text is not None) for one in found}
+    assert len(words) > 5
+
+
 def scattered(cell, factors):
     """Return a battery with its resistances, time constants, heat capacity and capacity times some factors."""
     tree = battery(cell).model_dump(mode="json")

@@ -40,7 +40,7 @@ from pipeline.jit import inlined
 _IDLE, _AT_START, _AT_NODES, _AT_SLOPES = range(4)
 # What to do next.
 _RUN, _ATTEMPT, _CORRECT, _TELL_SLOPES, _FINISH, _SHORTEN, _REFUSE = range(7)
-# Periods of the shortest stride: it runs about nine.
+# Periods of the shortest stride: it runs four to ten.
 _FEWEST = 16
 # Most of those that run one by one until another is tried.
 _MOST_ALONE = 8 * _FEWEST

@@ -148,6 +148,11 @@ def either(limits: Mapping[str, float]) -> str:
     return " or ".join(_limit(goal, value) for goal, value in limits.items())
 
 
+def reaches(wanted: Mapping[str, float], end_soc: float) -> bool:
+    """Tell whether a charge came to the SOC among its goals."""
+    return end_soc >= wanted.get("soc", 2.0) - _ROUNDING
+
+
 def _own_stops(protocol: Protocol) -> dict[str, float]:
     return {goal: value for goal, value in protocol.stop.items() if goal not in protocol.built_in}
 
@@ -164,7 +169,7 @@ def missed_goal(outcome: Outcome) -> str:
     ended = protocol.courses[int(outcome.ran[-1][7])]
     done = name in stops if of_stop else ended.group == last.group and name not in stops
     end_soc = 1.0 - float(outcome.run["state"][DEPTH])
-    if not wanted or (name in _GOALS and done) or end_soc >= wanted.get("soc", 2.0) - _ROUNDING:
+    if not wanted or (name in _GOALS and done) or reaches(wanted, end_soc):
         return ""
     # The last step tells the current only where every step is integrated: pulses may be crossed in closed form.
     flowing = f", {outcome.run['at'][TOTAL, 2]:.4g} A flowing" if "current_a" in wanted and _steady(ended) else ""

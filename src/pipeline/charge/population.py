@@ -26,6 +26,7 @@ from pipeline.charge import drive
 from pipeline.charge.books import failure, marks_of, points_of, rows_of, windows_of
 from pipeline.charge.checks import check
 from pipeline.charge.controller import compile_control
+from pipeline.charge.ended import Ended
 from pipeline.charge.lot import (
     AMBIENT_K,
     CHANGES,
@@ -239,8 +240,13 @@ def _start(
         done = block if block.lot is None else block._replace(lot=block.lot._replace(cells=_NO_CELLS))
         _ROOMS.put(room)
         status = [] if done.lot is None else done.lot.status.tolist()
+        ended = (
+            None
+            if done.lot is None
+            else Ended(done.lot, [tasks[n] for n in done.rows], [run.protocol for run in done.runs])
+        )
         own |= {n: one.result() for n, one in singles.items() if n not in own}
-        return [own[n] if n in own else _charge(done, status, n) for n in range(len(tasks))]
+        return [own[n] if n in own else _charge(done, ended, status, n) for n in range(len(tasks))]
 
     return finish
 
@@ -259,16 +265,18 @@ def _run(lot: Lot, run: _Run, desks: SimpleQueue[Desk]) -> None:
     desks.put(desk)
 
 
-def _charge(block: _Block, status: Sequence[int], place: int) -> Charge | Failure:
+def _charge(block: _Block, ended: Ended | None, status: Sequence[int], place: int) -> Charge | Failure:
     """Return a charge of a block that has run, or why there is none."""
     if place in block.failures:
         return block.failures[place]
     task, row, lot = block.tasks[place], block.rows[place], block.lot
     assert lot is not None
+    assert ended is not None
     if status[row] != drive.DONE:
         steps = int(lot.counts[row, STEPS])
         return failure(status[row], float(lot.end_s[row]), steps, lot.state[row], task.engine)
-    return Charge(task, partial(_outcome, lot, row, block.runs[row]))
+    outcome = partial(_outcome, lot, row, block.runs[row])
+    return Charge(task, outcome, partial(ended.summary, row, outcome))
 
 
 def _outcome(lot: Lot, row: int, run: _Run) -> Outcome:

@@ -37,6 +37,8 @@ class Supply(NamedTuple):
         ---------
         time_s, put_in_j : ends of intervals from 0 on, and the energy put in up to each, shape (n,).
         """
+        if self.drawn_per_w is None and self.side_w is None:
+            return float(put_in_j[-1]) if len(put_in_j) else 0.0
         put_in = put_in_j.copy()
         put_in[1:] -= put_in_j[:-1]
         if self.drawn_per_w is not None:
@@ -71,10 +73,13 @@ class Charge:
     ---------
     task : what it was made from.
     finish : what gives the finished run; called once, and only if something is asked for.
+    summarised : what gives the summary, where that is made for many charges at once.
     """
 
-    def __init__(self, task: Task, finish: Callable[[], Outcome]) -> None:
-        self._task, self._finish = task, finish
+    def __init__(
+        self, task: Task, finish: Callable[[], Outcome], summarised: Callable[[], list[Quantity]] | None = None
+    ) -> None:
+        self._task, self._finish, self._summarised = task, finish, summarised
 
     @cached_property
     def _outcome(self) -> Outcome:
@@ -105,6 +110,8 @@ class Charge:
     @cached_property
     def summary(self) -> list[Quantity]:
         """Return the quantities of the charge."""
+        if self._summarised is not None:
+            return self._summarised()
         done, samples = self._outcome, self._outcome.book.samples[: self._outcome.book.filled[0]]
         drawn_j = self._task.supply.drawn_j(samples[:, 0], samples[:, 6] * 3600.0)
         return summarise(done, self._task.settings, drawn_j)
