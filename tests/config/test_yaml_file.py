@@ -10,7 +10,7 @@ from typing import Any
 
 import pytest
 
-from pipeline.config import yaml_file
+from pipeline.config import adapter, yaml_file
 from pipeline.config.compose import compose_tree, expand
 from pipeline.config.inheritance import CONF
 from pipeline.config.study import study_from
@@ -258,6 +258,20 @@ def test_words_are_judged_before_hydra_takes_them(word: str, told: str) -> None:
     assert str(refused.value).startswith("override ")
     assert told in str(refused.value)
     assert len(str(refused.value)) < 1500
+
+
+@pytest.mark.parametrize(
+    "value",
+    ["/data/2017-03-25_2017-03-25.csv", "run_2024_01.csv", "7_1.xlsx", "a:1_0", "12_5 Ah", "x True y", "v1_0_True"],
+)
+def test_digits_within_a_word_are_no_number(value: str) -> None:
+    assert list(adapter.spelled(f"study.title={value}")) == []
+    assert compose_tree([f"study.title={value}"]).tree["study"]["title"] == value
+
+
+@pytest.mark.parametrize("value", ["1_000", "[1, 1_000]", "{a: 1_000}", "choice(2,1_000)", "range(1,1_000)", " 1_000 "])
+def test_numbers_that_yaml_does_not_have_are_refused_wherever_they_stand(value: str) -> None:
+    assert "1_000" in list(adapter.spelled(f"seed={value}"))
 
 
 @pytest.mark.parametrize("value", ["true", "false", "'12'", "１２", "yes", "1:30", "[1]", "{a: 1}", "null", "1.5"])

@@ -134,16 +134,26 @@ def changes(word: Override) -> bool:
     return word.type is OverrideType.CHANGE and word.package is None
 
 
+_SCALARS = {OverrideLexer.FLOAT, OverrideLexer.INT, OverrideLexer.BOOL}
+_OPENING = {OverrideLexer.EQUAL, OverrideLexer.POPEN, OverrideLexer.BRACKET_OPEN, OverrideLexer.BRACE_OPEN}
+_CLOSING = {OverrideLexer.PCLOSE, OverrideLexer.BRACKET_CLOSE, OverrideLexer.BRACE_CLOSE}
+
+
 def spelled(word: str) -> Iterator[str]:
-    """Yield the numbers and truth values of an override as they are written in it."""
-    lexer = OverrideLexer(InputStream(word))
+    """Yield the numbers and truth values of an override as they are written in it, those within a word left out."""
+    lexer = OverrideLexer(InputStream(word.rstrip()))
     lexer.removeErrorListeners()
-    kinds = (OverrideLexer.FLOAT, OverrideLexer.INT, OverrideLexer.BOOL)
-    value = False
-    for token in lexer.getAllTokens():
-        if value and token.type in kinds:
-            yield token.text
-        value = value or token.type == OverrideLexer.EQUAL
+    tokens = lexer.getAllTokens()
+    kinds = [token.type for token in tokens]
+    braces = 0
+    for place in range(
+        kinds.index(OverrideLexer.EQUAL) + 1 if OverrideLexer.EQUAL in kinds else len(kinds), len(kinds)
+    ):
+        braces += (kinds[place] == OverrideLexer.BRACE_OPEN) - (kinds[place] == OverrideLexer.BRACE_CLOSE)
+        beside = {OverrideLexer.COMMA} | ({OverrideLexer.COLON} if braces else set())
+        after = kinds[place + 1] if place + 1 < len(kinds) else OverrideLexer.COMMA
+        if kinds[place] in _SCALARS and kinds[place - 1] in _OPENING | beside and after in _CLOSING | beside:
+            yield tokens[place].text
 
 
 def runs_of(word: Override) -> int:

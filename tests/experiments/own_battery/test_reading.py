@@ -12,7 +12,7 @@ import pytest
 from pipeline.config.planning import run_of
 from pipeline.errors import UserError
 from pipeline.experiments.own_battery.reading import Series, measured_series
-from pipeline.experiments.own_battery.records import Measured
+from pipeline.experiments.own_battery.records import HeldOut, Measured
 from tests.experiments.own_battery.making import AMBIENT_C, SHARED, card, made, pulsed, small_file, written
 
 LFP = card("lfp_8ah")
@@ -302,6 +302,30 @@ def test_what_cannot_be_used_is_refused_with_the_remedy(tmp_path: Path, head: st
     file = _text(tmp_path, f"{head}\n{rows}")
     with pytest.raises(UserError, match=told):
         run_of(["study=own_battery", f"measured.file={file}", *words])
+
+
+def test_files_are_held_out_by_their_paths_or_by_the_last_words_of_these(tmp_path: Path) -> None:
+    for folder in ("a", "b"):
+        (tmp_path / folder).mkdir()
+        small = Path(small_file()).read_text(encoding="utf-8")
+        (tmp_path / folder / "2017-03-25_2017-03-26.csv").write_text(small, encoding="utf-8")
+    (tmp_path / "c.csv").write_text(small, encoding="utf-8")
+    first, second = (tmp_path / folder / "2017-03-25_2017-03-26.csv" for folder in "ab")
+
+    def held(name: str, *more: Path) -> list[bool]:
+        words = [f"measured.file={first}", f"measured.more=[{','.join(map(str, more))}]"]
+        study = run_of(["study=own_battery", *words, f"own_battery.held_out.files=[{name}]"])
+        settings = next(node.settings for node in study.nodes if node.name == "own_reading")
+        wanted = HeldOut.model_validate(settings["held_out"])
+        return [wanted.takes(file) for file in (str(first), *map(str, more))]
+
+    assert held(first.name, tmp_path / "c.csv") == [True, False]
+    assert held("c.csv", tmp_path / "c.csv") == [False, True]
+    assert held(str(second), second) == [False, True]
+    with pytest.raises(UserError, match=r"is the name of .*a.* and .*b.*; give its path"):
+        held(first.name, second)
+    with pytest.raises(UserError, match="every file is held out"):
+        held(f"{first.name},c.csv", tmp_path / "c.csv")
 
 
 def test_no_file_is_asked_for() -> None:

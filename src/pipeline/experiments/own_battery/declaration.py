@@ -120,9 +120,12 @@ def check(study: Any) -> None:
     if twice is not None:
         raise UserError(f"measured.more: {twice!r} is named twice; each file counts once")
     for name in chosen.held_out.files:
-        if name not in measured.files:
+        named = [file for file in measured.files if name in (file, Path(file).name)]
+        if not named:
             raise UserError(f"own_battery.held_out.files: {name!r} is none of {', '.join(measured.files)}")
-    if len(chosen.held_out.files) == len(measured.files):
+        if len(named) > 1:
+            raise UserError(f"own_battery.held_out.files: {name!r} is the name of {' and '.join(named)}; give its path")
+    if all(map(chosen.held_out.takes, measured.files)):
         raise UserError("own_battery.held_out.files: every file is held out; leave one for the fit")
     if chosen.initial_soc and len(chosen.initial_soc) != len(measured.files):
         raise UserError(

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from pathlib import Path
 from typing import Annotated, Literal, Self
 
 from pydantic import Field, field_validator, model_validator
@@ -73,10 +74,16 @@ class HeldOut(Record):
     )
     width_soc: float = Field(default=0.03, gt=0, le=0.5, description="how near to these a segment has to lie [1]")
     windows_s: list[tuple[float, float]] = Field(default_factory=list, description="from when to when [s]")
-    files: list[str] = Field(default_factory=list, description="whole files")
+    files: list[str] = Field(
+        default_factory=list, description="whole files: their paths as they are given, or the last words of these"
+    )
     share: float = Field(
         default=0.2, ge=0, le=0.5, description="share of the time held out, at the end, where nothing else is named [1]"
     )
+
+    def takes(self, file: str) -> bool:
+        """Tell whether a file is held out whole."""
+        return file in self.files or Path(file).name in self.files
 
 
 class Fit(Record):

@@ -139,7 +139,7 @@ def held_out(series: Series, found: Sequence[Segment], wanted: HeldOut, place: i
     """
     time_s = series.time_s
     rows = np.zeros(len(time_s), dtype=bool)
-    if series.file in wanted.files:
+    if wanted.takes(series.file):
         rows[:] = True
     for begin, end in wanted.windows_s:
         rows |= (time_s >= begin) & (time_s <= end)
