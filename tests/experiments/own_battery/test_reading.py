@@ -11,9 +11,11 @@ import pytest
 
 from pipeline.config.planning import run_of
 from pipeline.errors import UserError
+from pipeline.experiments.own_battery import own_reading
 from pipeline.experiments.own_battery.reading import Series, measured_series
 from pipeline.experiments.own_battery.records import HeldOut, Measured
 from tests.experiments.own_battery.making import AMBIENT_C, SHARED, card, made, pulsed, small_file, written
+from tests.making import inputs, output
 
 LFP = card("lfp_8ah")
 
@@ -326,6 +328,25 @@ def test_files_are_held_out_by_their_paths_or_by_the_last_words_of_these(tmp_pat
         held(first.name, second)
     with pytest.raises(UserError, match="every file is held out"):
         held(f"{first.name},c.csv", tmp_path / "c.csv")
+
+
+def test_what_is_foreseen_is_of_the_files_that_the_fit_may_see(tmp_path: Path) -> None:
+    battery = card("lfp_8ah")
+    cold = made(battery, 0.9, pulsed(battery.capacity_ah, 3, 300), np.random.default_rng(1))
+    warm = cold._replace(temperature_c=cold.temperature_c + 20.0, ambient_c=cold.ambient_c + 20.0)
+    first, second = written(tmp_path / "cold.csv", cold), written(tmp_path / "warm.csv", warm)
+    words = ["study=own_battery", f"measured.file={first}", f"measured.more=[{second}]"]
+
+    def foreseen(name: str, *more: str) -> dict[str, str]:
+        run = run_of([*words, *more])
+        own_reading.run(run.nodes[0].settings, inputs({}), output("own_reading", tmp_path / name))
+        rows = inputs({"own_reading": tmp_path / name}).table("own_reading", "foresight")
+        return dict(zip(rows["quantity"].tolist(), rows["told"].tolist(), strict=True))
+
+    both, one = foreseen("both"), foreseen("one", "own_battery.held_out.files=[warm.csv]")
+    assert (both["temperature dependence"], one["temperature dependence"]) == ("yes", "no")
+    # Two rooms are no warming of a cell.
+    assert both["heat capacity and cooling"] == one["heat capacity and cooling"]
 
 
 def test_no_file_is_asked_for() -> None:

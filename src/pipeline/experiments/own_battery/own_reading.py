@@ -78,14 +78,18 @@ def run(settings: Mapping[str, Any], inputs: Inputs, output: Output) -> None:
     output.write("series", rows)
     output.rows("segments", listed)
     output.rows("files", files)
-    output.rows("foresight", list(_foresight(series, all_segments, battery)))
+    seen = [place for place, one in enumerate(series) if not wanted.takes(one.file)]
+    output.rows(
+        "foresight",
+        list(_foresight([series[place] for place in seen], [all_segments[place] for place in seen], battery)),
+    )
     output.write("notes", {"note": notes})
 
 
 def _foresight(
     series: Sequence[Series], found: Sequence[Sequence[Segment]], battery: Battery
 ) -> Iterator[tuple[str, str, str, str]]:
-    """Yield what the files can tell of the battery: quantity, how far, why, and which test would tell it."""
+    """Yield what the files that the fit may see can tell: quantity, how far, why, and which test would tell it."""
     flat = [one for group in found for one in group]
     spacing = min(float(np.median(np.diff(one.time_s))) for one in series)
     socs = np.array(
@@ -119,16 +123,18 @@ def _foresight(
         f"time constants between about {2 * spacing:.3g} s and {longest / 2:.3g} s, half of the longest rest",
         "a 10 s pulse and a two-hour rest at 50 %",
     )  # fmt: skip
-    warm = [value for one in series for value in one.temperature_c[~np.isnan(one.temperature_c)].tolist()]
-    rise = max(warm) - min(warm) if warm else 0.0
+    warm = [one.temperature_c[~np.isnan(one.temperature_c)] for one in series]
+    warm = [one for one in warm if len(one)]
+    rise = float(max(one.max() for one in warm) - min(one.min() for one in warm)) if warm else 0.0
+    own_rise = max((float(np.ptp(one)) for one in warm), default=0.0)
     yield (
         "temperature dependence", YES if rise >= _WARMTH_K else NO,
         f"temperatures span {rise:.1f} K" if warm else "no temperature is measured",
         "the same test at two temperatures, 15 K apart, with the temperature measured",
     )  # fmt: skip
     yield (
-        "heat capacity and cooling", YES if rise >= 4 * _WARM_K else PARTLY if rise >= _WARM_K else NO,
-        f"temperatures span {rise:.1f} K" if warm else "no temperature is measured",
+        "heat capacity and cooling", YES if own_rise >= 4 * _WARM_K else PARTLY if own_rise >= _WARM_K else NO,
+        f"the temperature moves by {own_rise:.1f} K in a file" if warm else "no temperature is measured",
         "an hour at 1C and an hour of rest, with the battery's and the room's temperature",
     )  # fmt: skip
     held = [one for one in flat if one.kind == CONSTANT_VOLTAGE and one.current_a > 0 and one.length_s > 600.0]
