@@ -6,7 +6,7 @@ import pytest
 
 from pipeline.cell.records import Battery, Tabulated
 from pipeline.charge.checks import check
-from pipeline.charge.feasible import highest_v, notices, visited
+from pipeline.charge.feasible import highest_v, notices, remarks, visited
 from pipeline.charge.records import Mode
 from pipeline.config.compose import compose_tree
 from pipeline.config.planning import make_plan
@@ -131,3 +131,38 @@ def test_a_range_must_rise():
     with pytest.raises(ValueError, match="allowed is a range that rises"):
         plain(usual_c_rate=[0.3, 0.1])
     assert math.isclose(Tabulated(**FLAT).on_line(0.25), 3.15)
+
+
+def test_a_scaled_battery_says_whose_its_numbers_are():
+    own = battery("lead_acid_12v7ah")
+    assert list(remarks(own, settings(0.2))) == []
+    scaled = own.model_copy(update={"scaled_to_capacity_ah": 20.0})
+    [told] = remarks(scaled, settings(0.2))
+    assert told.startswith("scaled_to_capacity_ah: 20 Ah; every other number of lead_acid_12v7ah is that of 7 Ah")
+    # What is told is what the engine computes with.
+    one, other = (highest_v(each, 1e-3 * each.capacity_in_use_ah, 0.5, 25.0) for each in (own, scaled))
+    assert other == pytest.approx(one, rel=1e-12)
+    assert "resistances count 0.35 times, its heat capacity 2.86 times" in told
+
+
+def test_resistances_that_do_not_follow_temperature_are_told_where_it_matters():
+    used = battery("lead_acid_12v7ah")
+    assert not any(used.warmths)
+    assert list(remarks(used, settings(0.2, ambient_c=34.0))) == []
+    [told] = remarks(used, settings(0.2, ambient_c=-10.0))
+    assert "at -10 degC the resistances of lead_acid_12v7ah are those of 25 degC" in told
+    law = {"activation_energy_j_mol": 2e4, "reference_temperature_c": 25.0}
+    warm = Battery.model_validate(used.model_dump(by_alias=True) | {"series_resistance_temperature": law})
+    assert list(remarks(warm, settings(0.2, ambient_c=-10.0))) == []
+
+
+def test_a_resistance_in_the_wrong_unit_is_told():
+    slip = battery("lead_acid_12v7ah").model_copy(update={"series_resistance_ohm": 2.0})
+    told = [line for line in notices(slip, sheet(volts=14.4, amperes=2.1), settings(0.2)) if "at rest" in line]
+    assert told == [
+        "phases.charge.max_current_a: 2.1 A takes 25.2 V over the series resistance of lead_acid_12v7ah, which has "
+        f"{6 * 2.1483:.3g} V at rest; series_resistance_ohm is that of a cell, in ohm"
+    ]
+    for name in ("lead_acid_12v7ah", "lfp_8ah", "nicd_2s_600mah"):
+        lines = notices(battery(name), sheet(volts=99.0, amperes=battery(name).capacity_ah), settings(0.2))
+        assert not [line for line in lines if "at rest" in line]

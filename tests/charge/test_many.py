@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 from pipeline.cell.bank import compile_cells, new_room
 from pipeline.cell.circuit import compile_cell
 from pipeline.cell.records import Battery, resting_voltage_v
-from pipeline.charge import population
+from pipeline.charge import drive, population
 from pipeline.charge.feasible import NEVER_FULL, check_range, check_resistance
 from pipeline.charge.records import ChargeSettings, EngineSettings, Mode, Window
 from pipeline.charge.simulate import BENCH, Supply, Task, simulate, simulate_many, try_many
@@ -328,3 +328,15 @@ def test_one_sheet_is_looked_at_once_for_a_population(monkeypatch):
     mode = suited_mode("cc_cv", "lead_acid_12v7ah")
     simulate_many([one._replace(battery=own, mode=mode.model_copy()) for own in names])
     assert len(looked) == 2
+
+
+def test_a_supply_that_may_not_be_written_needs_no_kernel_of_its_own():
+    mode = waveforms("lead_acid_12v7ah")["pulse"]
+    simulate(battery("lead_acid_12v7ah"), mode, SUN, settings(0.5), ENGINE)
+    before = len(drive.run_program.overloads)
+    frozen = Supply(*(part.copy() for part in SUN))
+    for part in frozen:
+        part.setflags(write=False)
+    charged = simulate(battery("lead_acid_12v7ah"), mode, frozen, settings(0.5), ENGINE)
+    assert len(drive.run_program.overloads) == before
+    assert_same(charged, simulate(battery("lead_acid_12v7ah"), mode, SUN, settings(0.5), ENGINE))

@@ -6,6 +6,7 @@ import argparse
 import json
 import math
 import re
+import shlex
 from pathlib import Path
 
 import pytest
@@ -15,7 +16,7 @@ import pipeline as cp
 from pipeline.__main__ import main
 from pipeline.cell.records import value_of
 from pipeline.charge.waveforms import WAVEFORMS
-from pipeline.commands import listing, terminal
+from pipeline.commands import listing, run, terminal
 from pipeline.commands.listing import between
 from pipeline.commands.new import write
 from pipeline.commands.terminal import table_lines
@@ -165,3 +166,26 @@ def test_a_table_fits_the_terminal_and_cuts_no_name(width: int, monkeypatch: pyt
     assert max(map(len, table)) <= width
     assert any("a" * 30 in line and "90.07" in line for line in table)
     assert len(table) < len(shown) or any("b" * 10 in line for line in table)
+
+
+@pytest.mark.parametrize(
+    ("typed", "taken"),
+    [
+        ([], []),
+        (["battery=a"], ["battery=a"]),
+        (["--cfg"], ["--cfg=job"]),
+        (["--cfg", "hydra"], ["--cfg", "hydra"]),
+        (["--cfg", "battery=a"], ["--cfg=job", "battery=a"]),
+    ],
+)
+def test_a_cfg_without_its_word_is_that_of_the_job_and_no_words_are_the_default_study(
+    typed: list[str], taken: list[str]
+) -> None:
+    assert run._with_kind(typed) == taken
+
+
+def test_every_example_of_the_help_is_a_plan() -> None:
+    for words in run.EXAMPLES:
+        given = shlex.split(words)
+        plan = run.planned([word for word in given if word != "-m"], "-m" in given)
+        assert plan["runs"]

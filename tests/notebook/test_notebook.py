@@ -109,6 +109,20 @@ def test_a_comparison_has_a_row_a_mode_and_gives_each_its_own_knobs() -> None:
             assert table.attrs["units"][name] == alone.summary.units[name]
 
 
+def test_a_knob_that_is_as_another_moves_with_it_unless_it_is_given() -> None:
+    def knobs(**given: float) -> dict[str, object]:
+        charge = cp.charge(LEAD, "cv_pulse", frequency_hz=90, initial_soc=0.9, **given)  # type: ignore[operator]
+        return dict(charge.mode.knobs)
+
+    assert knobs()["charge_a"] == 2.1
+    assert knobs(max_current_a=1.0)["charge_a"] == 1.0
+    assert knobs(max_current_a=1.0, charge_a=0.7)["charge_a"] == 0.7
+    assert knobs(max_current_a=1.0, charge_c_rate=0.2)["charge_c_rate"] == 0.2
+    by_rate = knobs(max_current_c_rate=0.2)
+    assert by_rate["charge_c_rate"] == 0.2
+    assert "charge_a" not in by_rate
+
+
 def test_a_sweep_has_a_row_a_combination() -> None:
     batteries = [LEAD, "lead_acid_12v18ah"]
     table = cp.sweep(battery=batteries, mode="cc_cv", max_current_c_rate=[0.1, 0.2], initial_soc=0.7)

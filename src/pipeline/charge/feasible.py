@@ -30,6 +30,11 @@ NEVER_FULL = 1.0 - 1e-6
 """As near to full as a battery comes that never fills [1]."""
 _THERMAL_V_PER_K = 8.314462618 / 96485.33212
 _ZERO_CELSIUS_K = 273.15
+# Temperature of the numbers of a card, and how far from it their dependence matters.
+_CARD_C, _FAR_K = 25.0, 10.0
+# Share of a battery's voltage at rest that no current takes over a series resistance that is meant.
+_LARGE_DROP = 0.5
+_ROUNDED = 1e-9
 
 
 def visited(battery: Battery, mode: Mode, settings: ChargeSettings) -> tuple[float, float]:
@@ -171,6 +176,7 @@ def notices(battery: Battery, mode: Mode, settings: ChargeSettings) -> Iterator[
         yield from _unusual(name, currents, battery)
         wanted = _wanted(resolver, name, phase, numbers)
         most_a = max(currents.values(), default=math.inf)
+        yield from _dropped(name, currents, battery, high)
         if wanted is None or not math.isfinite(most_a) or len(currents) < len(_currents(phase, found)):
             continue
         key, volts = wanted
@@ -183,6 +189,27 @@ def notices(battery: Battery, mode: Mode, settings: ChargeSettings) -> Iterator[
                 f"({most_a / battery.capacity_in_use_ah:.3g}C) {battery.name} comes to {reached:.4g} V at SOC {high:g}"
                 f"{waits}{after}"
             )
+
+
+def remarks(battery: Battery, settings: ChargeSettings) -> Iterator[str]:
+    """Yield what is to be known of a battery's own numbers, each beginning with a key below the battery.
+
+    That numbers are scaled with the capacity, and that resistances stay what they are in the cold or the heat.
+    """
+    ratio = battery.capacity_in_use_ah / battery.capacity_ah
+    if abs(ratio - 1.0) > _ROUNDED:
+        yield (
+            f"scaled_to_capacity_ah: {battery.capacity_in_use_ah:g} Ah; every other number of {battery.name} is that "
+            f"of {battery.capacity_ah:g} Ah: its resistances count {1.0 / ratio:.3g} times, its heat capacity "
+            f"{ratio:.3g} times"
+        )
+    temperatures_c = (settings.ambient_c, settings.start_c)
+    farthest_c = max(temperatures_c, key=lambda one: abs(one - _CARD_C))
+    if abs(farthest_c - _CARD_C) > _FAR_K and not any(battery.warmths):
+        yield (
+            f"series_resistance_temperature: none; at {farthest_c:g} degC the resistances of {battery.name} are those "
+            f"of {_CARD_C:g} degC, so that it takes its charge as it does there"
+        )
 
 
 def highest_v(battery: Battery, current_a: float, soc: float, temperature_c: float) -> float:
@@ -246,6 +273,20 @@ def _unusual(name: str, currents: Mapping[str, float], battery: Battery) -> Iter
             f"phases.{name}.{key}: {currents[key]:.4g} A is {rates[key]:.3g}C of {battery.name}; "
             f"usual are {low:g}C to {high:g}C, "
             f"{low * battery.capacity_in_use_ah:.4g} to {high * battery.capacity_in_use_ah:.4g} A{more}"
+        )
+
+
+def _dropped(name: str, currents: Mapping[str, float], battery: Battery, soc: float) -> Iterator[str]:
+    """Yield where a current takes as much over the series resistance as the battery has: a slip of the unit."""
+    key = max(currents, key=currents.__getitem__, default="")
+    if not key or not math.isfinite(currents[key]):
+        return
+    drop_v = battery.cells_in_series * value_of(battery.series_resistance_ohm, soc) * currents[key] / battery.scale
+    own_v = battery.cells_in_series * value_of(battery.open_circuit_voltage_v, soc)
+    if drop_v > _LARGE_DROP * own_v:
+        yield (
+            f"phases.{name}.{key}: {currents[key]:.4g} A takes {drop_v:.3g} V over the series resistance of "
+            f"{battery.name}, which has {own_v:.3g} V at rest; series_resistance_ohm is that of a cell, in ohm"
         )
 
 

@@ -172,8 +172,9 @@ def launch(
         by_reference(cell),
         program,
         None if endless else control,
-        np.ascontiguousarray(supply.time_s, dtype=np.float64),
-        np.ascontiguousarray(supply.power_w, dtype=np.float64),
+        # Of arrays that may not be written a kernel is compiled anew.
+        np.require(supply.time_s, np.float64, ["C", "W"]),
+        np.require(supply.power_w, np.float64, ["C", "W"]),
         by_reference(state),
         book,
         by_reference(clock),

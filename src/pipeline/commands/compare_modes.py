@@ -17,7 +17,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from pipeline.charge.comparison import peak_current_a
-from pipeline.charge.feasible import notices
+from pipeline.charge.feasible import notices, remarks
 from pipeline.commands import typed
 from pipeline.commands.terminal import table_lines
 from pipeline.commands.workflow import say
@@ -261,6 +261,7 @@ class Compared:
             f"{self.battery.title}, {self.battery.capacity_in_use_ah:g} Ah, from SOC {start.initial_soc:g} at "
             f"{start.ambient_c:g} degC, fed from {self.supply}."
         ]
+        told += [f"battery.{said}." for said in remarks(self.charges[0].battery, start)]
         peaks = {plain(peak, "A") for peak in map(_peak_a, self.charges) if peak is not None}
         if len(peaks) > 1:
             told.append(f"The largest currents that the modes ask for differ: {', '.join(sorted(peaks))}.")

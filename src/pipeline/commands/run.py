@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 import contextlib
+import itertools
 import os
 import signal
 import subprocess
@@ -122,11 +123,8 @@ def planned(words: Sequence[str], multirun: bool = False) -> dict[str, Any]:
 
 def _with_kind(arguments: Sequence[str]) -> list[str]:
     """Return the arguments with `job` behind a --cfg that is followed by something else than its own words."""
-    following = [*arguments[1:], ""]
-    return [
-        "--cfg=job" if word == "--cfg" and after not in CFG else word
-        for word, after in zip(arguments, following, strict=True)
-    ]
+    both = itertools.pairwise([*arguments, ""])
+    return ["--cfg=job" if word == "--cfg" and after not in CFG else word for word, after in both]
 
 
 def _look(run: Sequence[str], choices: argparse.Namespace) -> str:

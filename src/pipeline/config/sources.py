@@ -275,7 +275,10 @@ def check_found(
             others = ", ".join(name for name in found if name != step) or "none"
             raise UserError(f"{path}.from: {step!r} would wait for itself; allowed is {others}, or a number")
         if step not in found:
-            raise UserError(f"{path}.from: no step {step!r} finds values in this study; {best_matches(step, found)}")
+            raise UserError(
+                f"{path}.from: no step {step!r} finds values in this study; {best_matches(step, found)}; or give a "
+                f"number: {path}=NUMBER"
+            )
         if value not in found[step]:
             raise UserError(f"{path}.value: {step} finds no {value!r}; {best_matches(value, found[step])}")
 

@@ -212,6 +212,11 @@ def _mode(mode: str | Mode, battery: str | Battery, knobs: Mapping[str, Any]) ->
     for knob in knobs:
         if knob not in known:
             raise _unknown(knob, known)
+    for follower, leader in (read.followers(name) if read is not None else {}).items():
+        for form in (leader, _other_form(leader)):
+            own = follower if form == leader else _other_form(follower)
+            if form in knobs and not {follower, _other_form(follower)} & set(knobs):
+                knobs = {**knobs, own: knobs[form]}
     if not knobs:
         return (named.mode(mode, beside) if isinstance(mode, str) else mode), values
     replaced = {_other_form(knob) for knob in knobs}

@@ -59,13 +59,22 @@ class Read:
 
     def __init__(self, composed: Composed) -> None:
         self.origin = composed.origin
-        self.values = split(composed.tree)[0]
+        self.values, self._sources = split(composed.tree)
         self._files = {layer.file: state(layer.file) for layer in composed.layers}
         self._records: dict[str, Record] = {}
 
     def current(self) -> bool:
         """Tell whether every file that took part is as it was."""
         return all(path.is_file() and state(path) == before for path, before in self._files.items())
+
+    def followers(self, mode: str) -> dict[str, str]:
+        """Return the knobs of a mode that are as others of it: their names and those of the others (`same_as`)."""
+        begin = f"modes.{mode}."
+        return {
+            path.removeprefix(begin): str(source["same_as"])
+            for path, source in self._sources.items()
+            if path.startswith(begin) and source.get("same_as")
+        }
 
     def record(self, path: str, kind: type[R], values: Mapping[str, Any]) -> R:
         """Return the record at a key path; validated once."""

@@ -9,7 +9,7 @@ from pydantic import Field, model_validator
 
 from pipeline.cell.records import Battery, cuts
 from pipeline.charge.checks import check
-from pipeline.charge.feasible import check_range, notices, visited
+from pipeline.charge.feasible import check_range, notices, remarks, visited
 from pipeline.charge.records import ChargeSettings, EngineSettings, Mode
 from pipeline.config.compose import Composed
 from pipeline.config.many import Unrefused
@@ -121,6 +121,8 @@ def remarks_on_modes(study: Any, second: bool) -> Iterator[str]:
     used = {path: battery for path, battery in batteries(study).items() if second or path != "second_battery"}
     for path, battery in used.items():
         yield from (f"{path}.{told}" for told in cuts(battery))
+    if "battery" in used:
+        yield from (f"battery.{told}" for told in remarks(used["battery"], study.charge))
     for battery in (used[path] for path in ("battery", "second_battery") if path in used):
         for name in study.run:
             yield from (f"modes.{name}.{told}" for told in notices(battery, study.modes[name], study.charge))
