@@ -116,6 +116,8 @@ def _look(path: str, battery: Battery, low: float, high: float, temperature_c: f
             raise _refusal(path, "open_circuit_voltage_v", battery, soc, volts, "V", low, allowed)
         if volts < most * (1.0 - _MOST_FALL):
             allowed = f"it may not fall while charging, and rests at {most:.4g} V at SOC {most_soc:.4g}"
+            if isinstance(battery.open_circuit_voltage_v, Polynomial):
+                allowed += "; a polynomial is one in 1 - SOC"
             raise _refusal(path, "open_circuit_voltage_v", battery, soc, volts, "V", low, allowed)
         if volts > most:
             most, most_soc = volts, soc
