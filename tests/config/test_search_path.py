@@ -45,6 +45,16 @@ def test_its_study_is_the_one_that_is_meant_and_builds_on_shipped_files(own: Pat
     assert set(shown["modes"]) == {"cc_cv", "garage_pulse", "garage_reflex"}
 
 
+def test_a_file_that_builds_on_none_is_named(own: Path) -> None:
+    file = own / "conf" / "battery" / "other.yaml"
+    file.write_text("defaults: [lead_acid_12v7a, _self_]\nname: other\n", encoding="utf-8")
+    told = _python(own, "-m", "pipeline", "battery=other", "--cfg", code=2)
+    assert "error: conf/battery/other.yaml: defaults: no conf/battery/lead_acid_12v7a.yaml; best matches are: " in told
+    file.unlink()
+    told = _python(own, "-m", "pipeline", "battery=other", "--cfg", code=2)
+    assert "error: override battery=other: no conf/battery/other.yaml; " in told
+
+
 def test_a_file_of_the_same_name_takes_the_place_of_the_shipped_one(own: Path) -> None:
     file = own / "conf" / "modes" / "cc_cv.yaml"
     file.parent.mkdir(exist_ok=True)

@@ -253,10 +253,21 @@ def _missing_option(error: MissingConfigException, words: Iterable[str], conf: P
     if group and is_group(conf, group):
         chosen = f"{group}={option}"
         word = next((word for word in words if word.startswith(f"{group}@") and word.endswith(f"={option}")), chosen)
-        return UserError(
-            f"override {told(word)}: no conf/{group}/{option}.yaml; {best_matches(option, options(group, conf))}"
-        )
+        file = None if word in words else _building_on(group, option, conf)
+        where = f"override {told(word)}" if file is None else f"{shown(file)}: defaults"
+        return UserError(f"{where}: no conf/{group}/{option}.yaml; {best_matches(option, options(group, conf))}")
     return UserError(f"no configuration {missing!r}: {str(error).splitlines()[0]}; groups: {', '.join(groups(conf))}")
+
+
+def _building_on(group: str, option: str, conf: Path) -> Path | None:
+    """Return the first file whose `defaults` name an option of a group."""
+    for file in (path for root in roots(conf) for path in sorted(root.rglob("*.yaml"))):
+        listed = content(file).get("defaults")
+        for one in listed if isinstance(listed, list) else []:
+            beside = one == option and file.parent.name == group
+            if beside or (isinstance(one, dict) and one.get(f"/{group}", one.get(group)) == option):
+                return file
+    return None
 
 
 def _group(word: str) -> str:
