@@ -13,16 +13,16 @@ from pipeline.__main__ import main
 from pipeline.kernel import digest
 
 
-def _run(root: Path, values: list[float]) -> Path:
-    folder = root / "results" / "study" / "run"
+def _run(root: Path, values: list[float], run: str = "run") -> Path:
+    folder = root / "results" / "study" / run
     folder.mkdir(parents=True)
     pq.write_table(pa.table({"Voltage / V": values}), folder / "trace.parquet")
     (folder / "found.json").write_text("{}\n")
     shown = [
-        {"path": f"results/study/run/{name}", "sha256": digest.of_file(folder / name)}
+        {"path": f"results/study/{run}/{name}", "sha256": digest.of_file(folder / name)}
         for name in ("trace.parquet", "found.json")
     ]
-    (folder / "manifest.json").write_text(json.dumps({"study": "study", "run": "run", "artefacts": shown}))
+    (folder / "manifest.json").write_text(json.dumps({"study": "study", "run": run, "artefacts": shown}))
     return folder
 
 
@@ -92,3 +92,49 @@ def test_a_damaged_manifest_ends_in_one_message(
     told = capsys.readouterr().err
     assert "run the study again" in told
     assert told.count("\n") == 1
+
+
+@pytest.fixture
+def sweeps(tmp_path: Path) -> tuple[Path, Path]:
+    """Return two sweeps of a project, with their pages, beside a run of the same study."""
+    _run(tmp_path, [0.0])
+    made = [_run(tmp_path, values, f"sweeps/{name}") for name, values in (("one", [1.0, 2.0]), ("two", [1.0, 3.0]))]
+    for folder in made:
+        page = tmp_path / "reports" / folder.relative_to(tmp_path / "results") / "index.html"
+        page.parent.mkdir(parents=True)
+        page.write_text("the same page")
+        manifest = json.loads((folder / "manifest.json").read_text())
+        listed = {"path": page.relative_to(tmp_path).as_posix(), "sha256": digest.of_file(page)}
+        manifest["artefacts"].append(listed)
+        (folder / "manifest.json").write_text(json.dumps(manifest))
+    return made[0], made[1]
+
+
+def test_a_sweep_is_equal_to_itself_and_another_is_told_where_it_differs(
+    sweeps: tuple[Path, Path], capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert _compare(sweeps[0], sweeps[0]) == 0
+    assert "3 artefacts equal, 0 differ, 0 on one side only" in capsys.readouterr().out
+    assert _compare(*sweeps) == 1
+    told = capsys.readouterr().out
+    assert "differs   results/trace.parquet" in told
+    assert "row 1: 2.0 and 3.0" in told
+    assert "2 artefacts equal, 1 differ, 0 on one side only" in told
+
+
+@pytest.mark.parametrize(("above", "artefacts"), [(0, 6), (1, 8), (2, 8)])
+def test_all_sweeps_all_of_a_study_and_all_results_are_compared_whole(
+    above: int, artefacts: int, sweeps: tuple[Path, Path], capsys: pytest.CaptureFixture[str]
+) -> None:
+    folder = sweeps[0].parents[above]
+    assert _compare(folder, folder) == 0
+    assert f"{artefacts} artefacts equal, 0 differ" in capsys.readouterr().out
+
+
+def test_a_manifest_that_lists_what_is_not_of_its_run_is_refused(
+    sweeps: tuple[Path, Path], capsys: pytest.CaptureFixture[str]
+) -> None:
+    text = (sweeps[0] / "manifest.json").read_text()
+    (sweeps[0] / "manifest.json").write_text(text.replace("reports/study/sweeps/one", "reports/study"))
+    assert _compare(*sweeps) == 2
+    assert "run the study again" in capsys.readouterr().err

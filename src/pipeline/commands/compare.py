@@ -1,4 +1,4 @@
-"""`python -m pipeline compare A B`: reads two published runs from disk and says where their artefacts differ."""
+"""`python -m pipeline compare A B`: reads two published runs, or sweeps, and says where their artefacts differ."""
 
 from __future__ import annotations
 
@@ -25,9 +25,9 @@ class Listed:
 
 
 def main(arguments: Sequence[str]) -> int:
-    """Compare two runs, or every run of two results folders; return 0 where all artefacts are equal, else 1."""
+    """Compare two runs or sweeps, or all of two results folders; return 0 where all artefacts are equal, else 1."""
     parser = argparse.ArgumentParser(prog=typed("compare"), description=__doc__)
-    parser.add_argument("first", type=Path, help="a run's folder with manifest.json, or a results folder")
+    parser.add_argument("first", type=Path, help="folder of a run or sweep, with manifest.json, or a results folder")
     parser.add_argument("second", type=Path, help="the other one")
     parser.add_argument("--trust-manifest", action="store_true", help="compare the manifests, read no artefact")
     options = parser.parse_args(arguments)
@@ -58,16 +58,24 @@ def main(arguments: Sequence[str]) -> int:
 
 
 def artefacts(folder: Path) -> dict[str, Listed]:
-    """Return place -> artefact of every file that the manifests in a folder list, those of parts (`-t`) included."""
-    own = sorted(folder.glob("manifest*.json"))
-    paths = own or publish.manifests(folder)
+    """Return place -> artefact of every file that the manifests in a folder list, those of parts (`-t`) included.
+
+    Arguments
+    ---------
+    folder : of a run or a sweep, of all runs and sweeps of a study, or a results folder.
+
+    Raises
+    ------
+    UserError : no manifest there, or one that is damaged.
+    """
+    of_study = (path for pattern in ("*", "sweeps/*") for path in folder.glob(f"{pattern}/manifest*.json"))
+    paths = sorted(folder.glob("manifest*.json")) or sorted(of_study) or publish.manifests(folder)
     if not paths:
-        raise UserError(f"{folder}: no manifest.json there; allowed is a run's folder or a results folder")
+        raise UserError(f"{folder}: no manifest.json there; allowed is the folder of a run or sweep, or results")
     found: dict[str, Listed] = {}
     for path in paths:
-        read = manifest(path)
-        prefix = "" if own else f"{read['study']}/{read['run']}/"
-        found |= {f"{prefix}{place}": one for place, one in read["artefacts"].items()}
+        room = path.parent.relative_to(folder)
+        found |= {(room / place).as_posix(): one for place, one in manifest(path)["artefacts"].items()}
     return found
 
 
@@ -75,12 +83,17 @@ def manifest(path: Path) -> dict[str, Any]:
     """Read a manifest, its `artefacts` by their places in the run; raise `UserError` where it is none."""
     try:
         read: dict[str, Any] = json.loads(path.read_text(encoding="utf-8"))
+        # The run of a sweep is `sweeps/NAME`, a folder deeper than others.
+        view = Path(read["study"], read["run"])
+        results = path.absolute().parents[len(view.parts)]
         found = {}
         for entry in read["artefacts"]:
             place = Path(entry["path"])
-            listed = Listed(_on_disk(path, place), entry["sha256"], entry.get("step", ""), entry.get("file", ""))
-            found[Path(place.parts[0], *place.parts[3:]).as_posix()] = listed
-        return {**read, "study": read["study"], "run": read["run"], "artefacts": found}
+            room = place.parts[0]
+            file = _on_disk(results, place)
+            listed = Listed(file, entry["sha256"], entry.get("step", ""), entry.get("file", ""))
+            found[(room / place.relative_to(room / view)).as_posix()] = listed
+        return {**read, "artefacts": found}
     except (OSError, ValueError, KeyError, TypeError, IndexError, AttributeError) as error:
         raise UserError(f"{path}: not a manifest ({error}); run the study again, which writes it anew") from None
 
@@ -162,7 +175,6 @@ def _relative(a: float, b: float) -> float:
     return abs(a - b) / largest if largest not in (0.0, float("inf")) else float("inf")
 
 
-def _on_disk(manifest: Path, place: Path) -> Path:
+def _on_disk(results: Path, place: Path) -> Path:
     """Return where a file is that a manifest lists: below the results folder, whatever its name, or beside it."""
-    results = manifest.absolute().parents[2]
     return results.joinpath(*place.parts[1:]) if place.parts[0] == "results" else results.parent / place
