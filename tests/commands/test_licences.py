@@ -13,13 +13,12 @@ import pytest
 from pipeline.__main__ import main
 from pipeline.commands import licences
 from pipeline.commands.licences import Licence, copyleft_of, licence_of
-from pipeline.errors import UserError
 from pipeline.kernel.places import LOCK_FILE, PACKAGE, PROJECT
 
 
 @pytest.fixture(scope="module")
 def found() -> list[Licence]:
-    return list(licences.licences())
+    return licences.licences().found
 
 
 def test_every_package_of_the_lock_file_has_a_licence(found: list[Licence]) -> None:
@@ -129,9 +128,79 @@ def test_a_licence_is_read_from_what_a_package_says(package: Package, licence: s
     assert licence_of(package) == licence
 
 
-def test_a_package_that_is_not_installed_is_told(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+LOCKED = {"charge-one": "1.0", "charge-two": "2.0", "charge-hatch": "3.0", "charge-path": "4.0", "charge-win": "5.0"}
+
+
+def _installed(site: Path, name: str, *asks: str) -> None:
+    """Install a package that is its metadata alone."""
+    folder = site / f"{name.replace('-', '_')}-1.0.dist-info"
+    folder.mkdir(parents=True)
+    needs = "".join(f"Requires-Dist: {one}\n" for one in asks)
+    about = f"Metadata-Version: 2.4\nName: {name}\nVersion: 1.0\nLicense-Expression: MIT\n{needs}"
+    (folder / "METADATA").write_text(about)
+
+
+@pytest.fixture
+def site(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> Path:
+    """Return where packages lie beside the project's own wheel, and make a lock file of it."""
     lock = tmp_path / "requirements.lock"
-    lock.write_text("no-such-package==1.0 \\\n    --hash=sha256:0\n")
+    lock.write_text("".join(f"{name}=={version} \\\n    --hash=sha256:0\n" for name, version in LOCKED.items()))
     monkeypatch.setattr(licences, "LOCK_FILE", lock)
-    with pytest.raises(UserError, match="no-such-package is not installed"):
-        list(licences.licences())
+    monkeypatch.setattr(licences, "INSTALLED", True)
+    monkeypatch.setattr("sys.path", [str(tmp_path / "site")])
+    asks = ("charge-one[fast]>=1", "charge_hatch; extra == 'build'", "charge-win; sys_platform == 'win32'")
+    _installed(tmp_path / "site", "charge-pipeline", *asks)
+    return tmp_path / "site"
+
+
+def test_what_is_locked_for_the_build_alone_is_left_out_of_a_wheels_licences(
+    site: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    _installed(site, "charge-one", "Charge.Two; extra == 'fast'", "charge-slow; extra == 'slow'")
+    _installed(site, "charge-two", "charge-new")
+    _installed(site, "charge-new", "charge-one")
+    assert main(["licences"]) == 0
+    told = capsys.readouterr().out
+    rows = [re.split(r"\s{2,}", line.strip()) for line in told.split("\n\n")[0].splitlines()]
+    assert rows[1:] == [
+        ["charge-one", "MIT"],
+        ["charge-two", "MIT", "charge-one"],
+        ["charge-new", "MIT", "charge-one > charge-two"],
+    ]
+    assert "no run needs them: charge-hatch, charge-path, charge-win\n" in told
+
+
+def test_a_package_of_the_build_that_is_installed_is_marked(site: Path) -> None:
+    _installed(site, "charge-one", "charge-two")
+    _installed(site, "charge-two")
+    _installed(site, "charge-hatch", "charge-path")
+    found = {one.package: one.through for one in licences.licences().found}
+    assert found == {"charge-one": "", "charge-two": "charge-one", "charge-hatch": licences.BUILD}
+
+
+@pytest.mark.parametrize(
+    ("wheel", "remedy"), [(True, "python -m pip install charge-two==2.0 charge-new"), (False, "make setup")]
+)
+def test_a_package_that_is_missing_is_told_after_the_others_with_what_installs_it(
+    wheel: bool, remedy: str, site: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(licences, "INSTALLED", wheel)
+    _installed(site, "charge-one", "charge-two", "charge-new")
+    _installed(site, "charge-path")
+    assert main(["licences"]) == 2
+    told = capsys.readouterr()
+    # Perhaps brought by what is missing: nothing is said of whether a run needs these.
+    assert licences.BUILD not in told.out
+    assert "left out" not in told.out
+    assert re.search(r"charge-one +MIT", told.out)
+    assert told.err == f"error: requirements.lock: charge-two, charge-new are not installed; {remedy}\n"
+    assert main(["licences", "--write"]) == 2
+    assert capsys.readouterr().out == ""
+
+
+def test_without_metadata_of_its_own_all_that_is_locked_is_needed(site: Path) -> None:
+    (site / "charge_pipeline-1.0.dist-info" / "METADATA").unlink()
+    (site / "charge_pipeline-1.0.dist-info").rmdir()
+    _installed(site, "charge-one")
+    missing = [name for name in LOCKED if name != "charge-one"]
+    assert licences.licences() == ([Licence("charge-one", "MIT", "", "")], missing, [])

@@ -5,15 +5,16 @@ from __future__ import annotations
 import argparse
 import re
 from collections.abc import Iterator, Mapping, Sequence
-from functools import cache
 from importlib import metadata
 from pathlib import Path
 from typing import Any, NamedTuple
 
+from packaging.requirements import Requirement
+
 from pipeline.commands import typed
 from pipeline.commands.terminal import table_lines
 from pipeline.errors import UserError
-from pipeline.kernel.places import LOCK_FILE, PROJECT
+from pipeline.kernel.places import INSTALLED, LOCK_FILE, PROJECT
 from pipeline.kernel.store import write_text
 
 DOCS = Path("docs") / "licences.md"
@@ -23,7 +24,7 @@ SERVES = {
 }
 """Package of our own choice -> what it is here for, told where it brings one under a copyleft."""
 BUILD = "the build of the package"
-_NAME = re.compile(r"^([A-Za-z0-9][A-Za-z0-9._-]*)==", re.MULTILINE)
+_PINNED = re.compile(r"^([A-Za-z0-9][A-Za-z0-9._-]*)==([^\s;\\]+)", re.MULTILINE)
 # Words of a licence -> what its copyleft covers; the first that fits counts.
 _COPYLEFT = (
     (r"\bAGPL|Affero", "copyleft"),
@@ -58,40 +59,86 @@ class Licence(NamedTuple):
 
 
 def main(arguments: Sequence[str]) -> int:
-    """Print the licences, at the end those with a copyleft again, or write the table of the documentation; return 0."""
+    """Print the licences, at the end those with a copyleft again, or write the table of the documentation; return 0.
+
+    Raises
+    ------
+    UserError : a package is missing that a run needs; the others are printed before, nothing is written.
+    """
     parser = argparse.ArgumentParser(prog=typed("licences"), description=__doc__)
     parser.add_argument("--write", action="store_true", help=f"write the table in {DOCS}")
-    found = list(licences())
-    if parser.parse_args(arguments).write:
+    write = parser.parse_args(arguments).write
+    found, missing, left_out = licences()
+    if not write:
+        _print(found, [] if missing else left_out)
+    if missing:
+        raise UserError(_told_missing(missing))
+    if write:
         path = PROJECT / DOCS
         if not path.is_file():
             raise UserError(f"{DOCS}: not there; the table belongs to a clone of the project")
         write_text(path, written(path.read_text(encoding="utf-8"), found))
         print(f"{DOCS}: written")
-        return 0
+    return 0
+
+
+def _print(found: Sequence[Licence], left_out: Sequence[str]) -> None:
     for line in table_lines([("package", "licence", "copyleft", "through"), *found]):
         print(line)
     print(f"\n{len(found)} packages of {LOCK_FILE.name}; copyleft:")
     for line in told(found):
         print(f"  {line}")
-    return 0
+    if left_out:
+        print(f"left out, since not installed and no run needs them: {', '.join(left_out)}")
 
 
-def licences() -> Iterator[Licence]:
-    """Yield the licence of every package of the lock file that is installed, in its order.
+class Packages(NamedTuple):
+    """Packages of the lock file: licences of those that are installed, and names of the others.
 
-    Raises
-    ------
-    UserError : a package that is not installed.
+    `missing` is what a run needs; `left_out` is of the build alone, of another platform, or of what is missing.
     """
-    names = _NAME.findall(LOCK_FILE.read_text(encoding="utf-8"))
-    brought = _through(names)
-    for name in names:
-        try:
-            licence = licence_of(metadata.distribution(name))
-        except metadata.PackageNotFoundError:
-            raise UserError(f"{LOCK_FILE.name}: {name} is not installed; make setup") from None
-        yield Licence(name, licence, copyleft_of(licence), brought.get(_plain(name), BUILD if brought else ""))
+
+    found: list[Licence]
+    missing: list[str]
+    left_out: list[str]
+
+
+def licences() -> Packages:
+    """Return the packages of the lock file, in its order, then what a newer installed package asks for beside it."""
+    locked = list(_locked())
+    brought = _through()
+    known = {_plain(name) for name in locked}
+    names = [*locked, *(name for name in brought if name not in known)]
+    installed = {name: package for name in names if (package := _installed(name)) is not None}
+    absent = [name for name in names if name not in installed]
+    missing = [name for name in absent if not brought or _plain(name) in brought]
+    # What a missing package asks for is not known: the rest may be its own, and not of the build.
+    other = "" if missing else BUILD
+    found = []
+    for name, package in installed.items():
+        licence = licence_of(package)
+        found.append(Licence(name, licence, copyleft_of(licence), brought.get(_plain(name), other)))
+    return Packages(found, missing, [name for name in absent if name not in missing])
+
+
+def _installed(name: str) -> metadata.Distribution | None:
+    try:
+        return metadata.distribution(name)
+    except metadata.PackageNotFoundError:
+        return None
+
+
+def _locked() -> dict[str, str]:
+    """Return package -> version of the lock file."""
+    return dict(_PINNED.findall(LOCK_FILE.read_text(encoding="utf-8")))
+
+
+def _told_missing(missing: Sequence[str]) -> str:
+    """Say what is not installed, and what installs it: there is no Makefile where the package came as a wheel."""
+    versions = _locked()
+    words = [f"{name}=={versions[name]}" if name in versions else name for name in missing]
+    remedy = f"python -m pip install {' '.join(words)}" if INSTALLED else "make setup"
+    return f"{LOCK_FILE.name}: {', '.join(missing)} {'is' if len(missing) == 1 else 'are'} not installed; {remedy}"
 
 
 def licence_of(package: metadata.Distribution) -> str:
@@ -150,29 +197,29 @@ def _of_texts(package: metadata.Distribution) -> Iterator[str]:
             yield from (name for words, name in _TEXTS if words.lower() in text.lower())
 
 
-def _through(names: Sequence[str]) -> Mapping[str, str]:
+def _through() -> Mapping[str, str]:
     """Return package -> the way from what the project itself asks for to it, `pymoo > moocore` but for its own end."""
-    known = {_plain(name) for name in names}
-    first = [name for name in _asked("charge-pipeline") if name in known]
-    ways: dict[str, str] = dict.fromkeys(first, "")
-    waiting = list(first)
-    for name in waiting:
-        for other in _asked(name):
-            if other in known and other not in ways:
-                ways[other] = f"{ways[name]} > {name}".removeprefix(" > ")
-                waiting.append(other)
+    waiting = list(_asked("charge-pipeline"))
+    ways = dict.fromkeys((name for name, _ in waiting), "")
+    seen = set(waiting)
+    for name, extras in waiting:
+        for other, its_extras in _asked(name, extras):
+            ways.setdefault(other, f"{ways[name]} > {name}".removeprefix(" > "))
+            if (other, its_extras) not in seen:
+                seen.add((other, its_extras))
+                waiting.append((other, its_extras))
     return ways
 
 
-@cache
-def _asked(name: str) -> tuple[str, ...]:
-    """Return the packages that an installed one asks for, without those of its extras."""
+def _asked(name: str, extras: frozenset[str] = frozenset()) -> Iterator[tuple[str, frozenset[str]]]:
+    """Yield the packages, each with its extras, that an installed one asks for here, with these of its extras."""
     try:
         asked = metadata.requires(name) or []
     except metadata.PackageNotFoundError:
-        return ()
-    plain = (one for one in asked if "extra ==" not in one)
-    return tuple(_plain(found[0]) for one in plain if (found := re.match(r"[A-Za-z0-9._-]+", one)))
+        return
+    for one in map(Requirement, asked):
+        if one.marker is None or any(one.marker.evaluate({"extra": extra}) for extra in ("", *sorted(extras))):
+            yield _plain(one.name), frozenset(one.extras)
 
 
 def _plain(name: str) -> str:
