@@ -20,10 +20,12 @@ from pipeline.commands import listing, run, terminal
 from pipeline.commands.listing import between
 from pipeline.commands.new import write
 from pipeline.commands.terminal import table_lines
+from pipeline.config import inheritance
 from pipeline.config.compose import options
 from pipeline.config.sources import Source
 from pipeline.errors import UserError
 from pipeline.kernel import registry
+from pipeline.kernel.places import SHIPPED
 
 
 def test_every_step_is_told_with_what_it_reads_and_makes(capsys: pytest.CaptureFixture[str]) -> None:
@@ -141,6 +143,42 @@ def test_every_battery_is_listed_with_the_numbers_of_its_record(capsys: pytest.C
         volts = one.cells_in_series * value_of(one.open_circuit_voltage_v, 0.5)
         assert float(cells["voltage [V]"]) == pytest.approx(volts, rel=1e-3)
     assert main(["batteries", "nothing like it"]) == 0
+
+
+@pytest.fixture
+def own(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """Return the configuration of a project of one's own, before the shipped one."""
+    conf = tmp_path / "conf"
+    for group in ("battery", "panel"):
+        (conf / group).mkdir(parents=True)
+    monkeypatch.setattr(inheritance, "confs", lambda: (conf, SHIPPED / "conf"))
+    return conf
+
+
+@pytest.mark.parametrize("words", [[], ["mine"], ["lead_acid_12v7ah"], ["nothing", "like", "it"]])
+@pytest.mark.parametrize("fault", ["capacity_ah: [", "defaults: [nicd_2s_600mah]\ncapacity_ahh: 3.0\n"])
+def test_a_faulty_file_is_told_whatever_battery_is_looked_for(
+    fault: str, words: list[str], own: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    (own / "battery" / "mine.yaml").write_text(fault)
+    assert main(["batteries", *words]) == 0
+    lines = capsys.readouterr().out.splitlines()
+    assert lines[-1].startswith("mine: ")
+    assert "conf/battery/mine.yaml" in lines[-1]
+    assert any(line.startswith("lead_acid_12v7ah ") for line in lines) == (words in ([], ["lead_acid_12v7ah"]))
+    assert any("no battery has all" in line for line in lines) == (words in (["mine"], ["nothing", "like", "it"]))
+
+
+@pytest.mark.parametrize("words", [["mine"], ["kc65t"], ["nothing like it"]])
+def test_a_faulty_file_is_told_whatever_panel_is_looked_for(
+    words: list[str], own: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    (own / "panel" / "mine.yaml").write_text("max_power_w: [")
+    assert main(["panels", *words]) == 0
+    lines = capsys.readouterr().out.splitlines()
+    assert lines[-1].startswith("mine: ")
+    assert "conf/panel/mine.yaml" in lines[-1]
+    assert any(line.startswith("kc65t ") for line in lines) == (words == ["kc65t"])
 
 
 def test_a_battery_says_where_its_values_come_from_and_how_far_they_go() -> None:

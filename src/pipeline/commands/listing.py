@@ -95,8 +95,10 @@ def batteries(arguments: Sequence[str]) -> int:
             rows.append(_battery_row(name, one, sources))
     if words and not rows:
         print(f"no battery has all of these words; {best_matches(' '.join(words), options('battery'))}")
-        return 0
-    for line in (*table_lines([head, *rows]), *refused):
+    else:
+        print("\n".join(table_lines([head, *rows])))
+    # Its title is not known: it may be the one that was looked for.
+    for line in refused:
         print(line)
     return 0
 
@@ -201,9 +203,11 @@ def panels(arguments: Sequence[str]) -> int:
     given = vars(parser.parse_intermixed_args(arguments))
     words = _no_overrides(given["words"])
     wanted = {field: given[option.replace("-", "_")] for option, (field, _, _) in PANEL_NUMBERS.items()}
-    found = sorted(_fitting(wanted, words, given["technology"]), key=lambda one: (one.max_power_w, one.name))
+    own, refused = _own_panels()
+    fitting = _fitting(own, wanted, words, given["technology"])
+    found = sorted(fitting, key=lambda one: (one.max_power_w, one.name))
     if not found:
-        print(f"no panel has all of that{_nearest(words)}")
+        print("\n".join([f"no panel has all of that{_nearest(words)}", *refused]))
         return 0
     shown = found if given["all"] else found[:_MOST_PANELS]
     units = ["name", *(f"{_SHORT[field]} [{unit}]" if unit else _SHORT[field] for field, _, unit in _NUMBERS)]
@@ -211,7 +215,7 @@ def panels(arguments: Sequence[str]) -> int:
     for line in table_lines([(*units, "technology", "from"), *rows]):
         print(line)
     left = f", the first {len(shown)} are shown; --all shows all" if len(shown) < len(found) else ""
-    print(f"{len(found)} panel{'s' * (len(found) != 1)}{left}")
+    print("\n".join([f"{len(found)} panel{'s' * (len(found) != 1)}{left}", *refused]))
     return 0
 
 
@@ -219,9 +223,11 @@ _NUMBERS = tuple(PANEL_NUMBERS.values())
 _SHORT = dict(zip((field for field, _, _ in _NUMBERS), ("Pmp", "Vmp", "Imp", "Voc", "Isc", "cells"), strict=True))
 
 
-def _fitting(wanted: Mapping[str, Range | None], words: Sequence[str], technology: str | None) -> Iterator[Listed]:
+def _fitting(
+    own: Sequence[Listed], wanted: Mapping[str, Range | None], words: Sequence[str], technology: str | None
+) -> Iterator[Listed]:
     parts = [part for word in words for part in re.findall(r"[a-z0-9]+", word.lower())]
-    for one in (*_own_panels(), *database.listed("cec", parts), *database.listed("sandia", parts)):
+    for one in (*own, *database.listed("cec", parts), *database.listed("sandia", parts)):
         name = one.name.lower()
         numbers = (limits is None or limits.holds(getattr(one, field)) for field, limits in wanted.items())
         of_kind = technology is None or technology.lower() in one.technology.lower()
@@ -234,13 +240,19 @@ def _nearest(words: Sequence[str]) -> str:
     return f"; names most like these words: {', '.join(near[:5])}" if near else ""
 
 
-def _own_panels() -> Iterator[Listed]:
-    """Yield the panels that are described in conf/panel, as their files have them."""
+def _own_panels() -> tuple[list[Listed], list[str]]:
+    """Return the panels that are described in conf/panel, as their files have them, and what faulty files have."""
+    found, refused = [], []
     for name in options("panel"):
-        values: Any = content(file_of(CONF, f"panel/{name}.yaml"))
+        try:
+            values: Any = content(file_of(CONF, f"panel/{name}.yaml"))
+        except UserError as error:
+            refused.append(f"{name}: {error}")
+            continue
         numbers = Listed._fields[2:-1]
         if isinstance(values, Mapping) and all(isinstance(values.get(field), int | float) for field in numbers):
-            yield Listed.of(name, "conf/panel", values, str(values.get("technology") or ""))
+            found.append(Listed.of(name, "conf/panel", values, str(values.get("technology") or "")))
+    return found, refused
 
 
 def _no_overrides(words: Sequence[str]) -> list[str]:
