@@ -227,3 +227,26 @@ def test_every_example_of_the_help_is_a_plan() -> None:
         given = shlex.split(words)
         plan = run.planned([word for word in given if word != "-m"], "-m" in given)
         assert plan["runs"]
+
+
+@pytest.mark.parametrize(
+    ("words", "told"),
+    [
+        ("compare-mode --battery x", "compare-mode: no word of python -m pipeline; best matches are: compare-modes,"),
+        ("reprot", "reprot: no word of python -m pipeline; best matches are: report,"),
+        ("-c 2 reprot", "reprot: no word of python -m pipeline; best matches are: report,"),
+        ("Batteries lead", "Batteries: no word of python -m pipeline; best matches are: batteries"),
+        ("run licenses", "licenses: no word of python -m pipeline; best matches are: licences"),
+        ("solar_reflex", "solar_reflex: no word of python -m pipeline; best matches are: study=solar_reflex"),
+        ("charges", "charges: no word of python -m pipeline; best matches are: -t charges,"),
+        ("-c 2 report solar_reflex", "report: stands before all else: python -m pipeline report ..."),
+        ("seed=1 --coers=4", "option --coers=4: unknown; see python -m pipeline --help; best matches are: --cores,"),
+        ("-z", "option -z: unknown; see python -m pipeline --help"),
+        ("qqqqq", "override qqqqq: not understood; allowed is key=value or group=option"),
+    ],
+)
+def test_a_mistyped_word_is_told_with_the_nearest(words: str, told: str, capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(words.split()) == 2
+    found = capsys.readouterr().err
+    assert found.startswith(f"error: {told}")
+    assert found.count("\n") == 1

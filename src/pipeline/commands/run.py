@@ -6,6 +6,7 @@ import argparse
 import contextlib
 import itertools
 import os
+import re
 import signal
 import subprocess
 import sys
@@ -17,7 +18,7 @@ from pipeline.commands import COMMANDS, profiles, typed
 from pipeline.commands.progress import shown, through
 from pipeline.commands.terminal import QUIET
 from pipeline.commands.workflow import say, tell
-from pipeline.errors import UserError
+from pipeline.errors import UserError, best_matches, closest
 from pipeline.kernel import lock, planfile, publish, registry, store
 from pipeline.kernel.places import place
 
@@ -48,13 +49,15 @@ def main(arguments: Sequence[str]) -> int:
         raise UserError(f"option {word}: {INSTEAD[word.split('=', 1)[0]]}")
     parser = _parser(listing=bool({"-h", "--help"} & set(arguments)))
     options_, overrides = parser.parse_known_intermixed_args(_with_kind(arguments))
+    _refuse_mistyped(arguments[:1])
     unknown = [word for word in overrides if word.startswith("-")]
     if unknown:
-        raise UserError(f"option {unknown[0]}: unknown; see {typed('--help')}")
+        raise UserError(f"option {unknown[0]}: unknown; see {typed('--help')}{_nearest_option(parser, unknown[0])}")
     if not options_.cfg:
         for name in (name for name in ("resolve", "package") if getattr(options_, name)):
             raise UserError(f"option --{name}: of what --cfg prints; give --cfg beside it")
     words = [*options_.overrides, *overrides]
+    _refuse_mistyped(words)
     alone = [word for word in words if word.startswith("sweep.")]
     if alone and (not options_.multirun or options_.target != "all"):
         raise UserError(f"override {alone[0]}: of a sweep alone: -m, and no part of it by -t")
@@ -91,6 +94,23 @@ def main(arguments: Sequence[str]) -> int:
             for line in tell(plan, [options_.target], store.RESULTS):
                 print(line)
     return code
+
+
+def _refuse_mistyped(words: Sequence[str]) -> None:
+    """Refuse a word that is no override and looks like one of the command, a study or a part of one."""
+    for word in (word for word in words if re.fullmatch(r"[A-Za-z][\w.-]*", word)):
+        if word in COMMANDS:
+            raise UserError(f"{word}: stands before all else: {typed(word)} ...")
+        known = [*COMMANDS, *(f"study={name}" for name in planfile.studies())]
+        known += [f"-t {name}" for name in ("all", *registry.targets(), "report")]
+        if closest(word, known):
+            raise UserError(f"{word}: no word of {typed()}; {best_matches(word, known)}; a run takes key=value")
+
+
+def _nearest_option(parser: argparse.ArgumentParser, word: str) -> str:
+    known = [option for action in parser._actions for option in action.option_strings if option.startswith("--")]
+    near = closest(word.split("=", 1)[0], known) if word.startswith("--") else []
+    return f"; best matches are: {', '.join(near)}" if near else ""
 
 
 def _swept(plan: Mapping[str, Any], words: Sequence[str], descriptor: int | None, profile: profiles.Profile) -> int:
