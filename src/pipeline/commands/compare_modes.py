@@ -25,6 +25,7 @@ from pipeline.config.choices import parse
 from pipeline.config.compose import options
 from pipeline.config.naming import joined
 from pipeline.errors import UserError, best_matches
+from pipeline.experiments.charges.telling import main_quantities
 from pipeline.experiments.reporting.announce import lead_to_all
 from pipeline.kernel import registry, store
 from pipeline.kernel.draft import references
@@ -231,22 +232,9 @@ class Compared:
     def table(self) -> ReportTable:
         """Return what came of the charges, a row a quantity, a column a mode."""
         marks = [f"time_to_soc_{mark:g}_s" for mark in sorted(self.charges[0].settings.soc_marks)]
-        listed = [
-            *((name, "h", 1.0 / 3600.0) for name in (*marks, "end_time_s")),
-            ("end_soc", "%", 100.0),
-            ("peak_temperature_c", "degC", 1.0),
-            ("peak_temperature_rise_k", "K", 1.0),
-            ("mean_current_a", "A", 1.0),
-            ("charge_efficiency", "%", 100.0),
-            ("energy_efficiency", "%", 100.0),
-            ("energy_drawn_wh", "Wh", 1.0),
-            ("system_efficiency", "%", 100.0),
-            ("time_at_voltage_limit_s", "h", 1.0 / 3600.0),
-            ("time_at_supply_limit_s", "h", 1.0 / 3600.0),
-        ]
         rows: list[tuple[Cell, ...]] = [
             (_words(name), unit, *(None if value is None else factor * value for value in values))
-            for name, unit, factor in listed
+            for name, unit, factor in main_quantities(marks)
             for values in [[self._value(name, one) for one in self.charges]]
         ]
         rows.insert(-6, ("Largest current asked for", "A", *map(_peak_a, self.charges)))

@@ -108,7 +108,7 @@ def completed(line: str) -> list[str]:
     """
     words = line.split(" ")
     begun, before = words[-1], [word for word in words[1:-1] if word]
-    listed = _listed(next((word for word in before if word.startswith("study=")), "study=solar_reflex"))
+    listed = _listed(next((word for word in before if word.startswith("study=")), ""))
     if "=" in begun:
         key, _, value = begun.partition("=")
         values, _, last = value.rpartition(",")
@@ -123,13 +123,18 @@ def completed(line: str) -> list[str]:
 
 
 def _listed(study: str) -> dict[str, Any]:
-    """Return groups with their options and every key path of a study, kept until the configuration changes."""
+    """Return groups with their options and every key path of a study, kept until the configuration changes.
+
+    Arguments
+    ---------
+    study : the word that chooses it; where empty, the one that conf/config.yaml names.
+    """
     from pipeline.config.compose import compose_tree, groups, options
 
     state = of_value([study, of_code(__name__), *(of_folder(folder) for folder in places.confs())])
     listed: dict[str, Any] | None = kept.read(f"completion/{state}.json")
     if listed is None:
-        tree = compose_tree([study]).tree
+        tree = compose_tree([study] if study else []).tree
         listed = {"groups": {group: options(group) for group in groups()}, "keys": sorted(_keys(tree, ""))}
         kept.write(f"completion/{state}.json", listed, 8)
     return listed

@@ -1,4 +1,4 @@
-"""`python -m pipeline report [RUN]`: the verdicts of a run in the terminal, and its page, as one file where asked.
+"""`python -m pipeline report [RUN]`: a run in the terminal, its verdicts or its charges in numbers, and its page.
 
 A run of a sweep, which keeps its numbers alone, is made whole first.
 """
@@ -9,6 +9,7 @@ import argparse
 import base64
 import json
 import re
+import shlex
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
@@ -17,22 +18,25 @@ from pipeline.commands import typed
 from pipeline.commands.terminal import say, table_lines
 from pipeline.config.naming import run_name
 from pipeline.errors import UserError, best_matches
-from pipeline.kernel import publish, tables
+from pipeline.experiments.charges import telling as of_charges
+from pipeline.experiments.sweeps import telling as of_sweep
+from pipeline.kernel import planfile, publish, tables
 from pipeline.kernel.store import REPORTS, RESULTS
 from pipeline.published.answer import ANSWER
 from pipeline.published.evaluate import VERDICTS
 from pipeline.published.words import counted
+from pipeline.report import text
 from pipeline.report.pages import TRACES
 
 
 def main(arguments: Sequence[str]) -> int:
-    """Print a run's verdicts, or write its page as one file; return 0."""
+    """Print a run's verdicts, or its charges where nothing is published, or write its page as one file; return 0."""
     parser = argparse.ArgumentParser(prog=typed("report"), description=__doc__)
-    words = "study/run (%(default)s), or a run of a sweep"
-    parser.add_argument("run", nargs="?", default="solar_reflex/default", help=words)
+    words = "study/run (the study of conf/config.yaml, its default run), a sweep, or a run of one"
+    parser.add_argument("run", nargs="?", help=words)
     parser.add_argument("--single-file", type=Path, metavar="FILE", help="write the page with all it shows in one file")
     options = parser.parse_args(arguments)
-    run = options.run.removeprefix(f"{RESULTS}/").removeprefix(f"{REPORTS}/").strip("/")
+    run = (options.run or _default()).removeprefix(f"{RESULTS}/").removeprefix(f"{REPORTS}/").strip("/")
     swept = _of_sweep(run)
     if swept is not None:
         study, overrides = swept
@@ -46,15 +50,27 @@ def main(arguments: Sequence[str]) -> int:
     run = run if "/" in run else f"{run}/default"
     if options.single_file is not None:
         return _single(run, options.single_file)
-    path = RESULTS / run / "published" / "verdicts.parquet"
-    if not path.is_file():
+    published = RESULTS / run / "published"
+    answer, verdicts = published / "answer.parquet", published / "verdicts.parquet"
+    if not verdicts.is_file() and not (RESULTS / run / publish.MANIFEST).is_file():
         raise UserError(_unpublished(run))
-    answer = path.with_name("answer.parquet")
     if answer.is_file():
         _tell(tables.read(ANSWER, answer))
-    _print(tables.read(VERDICTS, path))
-    print(f"\nthe page: {Path('reports') / run / 'index.html'}")
+    if verdicts.is_file():
+        _print(tables.read(VERDICTS, verdicts))
+    else:
+        _print_charges(json.loads((RESULTS / run / publish.MANIFEST).read_text(encoding="utf-8")))
+    page = Path(REPORTS) / run / "index.html"
+    print(f"\nthe page: {page}" if page.is_file() else "\nno page is here")
     return 0
+
+
+def _default() -> str:
+    """Return the study that a run without words makes: that of conf/config.yaml."""
+    from pipeline.config.compose import compose_tree
+    from pipeline.config.study import study_from
+
+    return str(study_from(compose_tree([])).study.name)
 
 
 def _single(run: str, target: Path) -> int:
@@ -116,16 +132,37 @@ def _of_sweep(run: str) -> tuple[str, list[str]] | None:
 
 
 def _unpublished(run: str) -> str:
-    """Say why a run has no verdicts: only parts of it were made, or nothing."""
-    parts = sorted((RESULTS / run).glob("manifest*.json"))
+    """Say what of a run is missing, only parts of it were made or nothing, and what to type."""
+    parts = sorted((RESULTS / run).glob("manifest.*.json"))
+    study = run.partition("/")[0]
     if not parts:
-        known = {path.parent.relative_to(RESULTS).as_posix() for path in RESULTS.glob("*/*/manifest.json")}
+        known = {path.parent.relative_to(RESULTS).as_posix() for path in publish.manifests(RESULTS)}
+        known = {name for name in known if (RESULTS / name / publish.MANIFEST).is_file()}
+        if run == f"{study}/default" and study in planfile.studies():
+            return f"run {run!r}: not published here; to make it: {typed(f'study={study}')}"
         return f"run {run!r}: not published here; {best_matches(run, known)}"
-    manifest = json.loads(parts[0].read_text())
-    if (RESULTS / run / publish.MANIFEST).is_file():
-        return f"run {run!r}: its study has no verdicts; the page is {Path('reports') / run / 'index.html'}"
-    made = ", ".join(path.name.split(".")[1] for path in parts)
-    return f"run {run!r}: only parts of it are here ({made}), and no verdicts; all of it: {manifest['command']}"
+    manifest = json.loads(parts[0].read_text(encoding="utf-8"))
+    made = ", ".join(path.name.split(".", 1)[1].removesuffix(".json") for path in parts)
+    whole = typed(shlex.join([f"study={study}", *manifest["overrides"]]))
+    return f"run {run!r}: only parts of it are here ({made}); to make all of it: {whole}"
+
+
+def _print_charges(manifest: Mapping[str, Any]) -> None:
+    """Print the charges of a run in numbers, a column a mode, or the runs of a sweep; in a pipe a line a row."""
+    if manifest.get("sweep"):
+        run = {"study": manifest["study"], "name": manifest["run"], "sweep": manifest["sweep"]}
+        for line in of_sweep.lines(run | {"view": manifest["artefacts"]}, {"sweep"}, RESULTS):
+            print(line)
+        return
+    for place, table in enumerate(of_charges.in_numbers(manifest, RESULTS.parent)):
+        print("\n" * (place > 0), end="")
+        say(table.title, bold=True)
+        rows = [(str(name), text.unit(str(unit)), *map(text.number, cells)) for name, unit, *cells in table.rows]
+        for line in table_lines([table.header, *rows]):
+            print(line)
+    run = {"study": manifest["study"], "name": manifest["run"], "nodes": manifest["nodes"]}
+    for line in of_charges.lines(run, {"charge"}, RESULTS):
+        say(line)
 
 
 def _tell(answer: Mapping[str, Any]) -> None:
