@@ -7,7 +7,7 @@ import sys
 from collections.abc import Callable, Sequence
 from importlib import import_module
 
-from pipeline.commands import COMMANDS
+from pipeline.commands import COMMANDS, as_typed
 from pipeline.errors import UserError
 from pipeline.kernel import store
 from pipeline.kernel.last_resort import in_utf8, last_resort, refuse_other_bytes
@@ -21,7 +21,7 @@ def main(arguments: Sequence[str]) -> int:
         refuse_other_bytes(words)
         return _command(name)(words)
     except UserError as error:
-        print(f"error: {error}", file=sys.stderr)
+        print(f"error: {as_typed(str(error))}", file=sys.stderr)
         return 2
     except BrokenPipeError:  # whoever reads what is printed has seen enough
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import contextlib
 import json
 import math
 import re
@@ -16,7 +17,7 @@ import pipeline as cp
 from pipeline.__main__ import main
 from pipeline.cell.records import value_of
 from pipeline.charge.waveforms import WAVEFORMS
-from pipeline.commands import listing, run, terminal
+from pipeline.commands import COMMANDS, OF_THE_REPOSITORY, listing, run, terminal
 from pipeline.commands.listing import between
 from pipeline.commands.new import write
 from pipeline.commands.terminal import table_lines
@@ -250,3 +251,41 @@ def test_a_mistyped_word_is_told_with_the_nearest(words: str, told: str, capsys:
     found = capsys.readouterr().err
     assert found.startswith(f"error: {told}")
     assert found.count("\n") == 1
+
+
+@pytest.fixture
+def installed(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The installed command was typed."""
+    monkeypatch.setattr("sys.argv", ["/usr/bin/charge-pipeline"])
+
+
+@pytest.mark.parametrize("word", COMMANDS)
+def test_help_names_the_command_that_was_typed(word: str, installed: None, capsys: pytest.CaptureFixture[str]) -> None:
+    with contextlib.suppress(SystemExit):
+        main([word, "--help"])
+    told = " ".join(" ".join(capsys.readouterr()).split())
+    assert "charge-pipeline" in told
+    assert "python -m pipeline" not in told
+    assert ("own repository" in told) == (word in ("run", *OF_THE_REPOSITORY))
+
+
+def test_so_do_messages_from_rooms_that_know_no_commands(installed: None, capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["panel.name=Canadian_Solar", "--cfg"]) == 2
+    told = capsys.readouterr().err
+    assert "more: charge-pipeline panels canadian solar" in told
+    assert "python -m pipeline" not in told
+
+
+@pytest.mark.parametrize(
+    ("text", "missing"), [(None, "no such file is here"), ("# Mine\n", "it has no lines <!-- studies: begin -->")]
+)
+def test_a_readme_without_room_for_the_studies_is_told_what_readme_does(
+    text: str | None, missing: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    if text is not None:
+        Path("README.md").write_text(text)
+    assert main(["readme"]) == 2
+    (told,) = capsys.readouterr().err.splitlines()
+    assert told.startswith(f"error: README.md: {missing}")
+    assert told.endswith("readme writes what the studies found into the README of the project's own repository")

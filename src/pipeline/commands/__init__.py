@@ -1,5 +1,6 @@
 """The words that `python -m pipeline` understands."""
 
+import re
 import sys
 from pathlib import Path
 
@@ -12,8 +13,16 @@ COMMANDS = {
 }
 """Word -> its function in a module here, `function(arguments) -> exit code`."""
 
+OF_THE_REPOSITORY = ("new", "readme")
+"""Words that change the project's own repository, and do nothing in a project that `init` made."""
+
 
 def typed(word: str = "") -> str:
     """Return how a person types a word here: with the installed command, or with Python where that was typed."""
     command = "charge-pipeline" if Path(sys.argv[0]).stem == "charge-pipeline" else "python -m pipeline"
     return f"{command} {word}".rstrip()
+
+
+def as_typed(text: str) -> str:
+    """Return a text with the commands in it as a person types them here."""
+    return re.sub(r"python -m pipeline(?![\w.])", typed(), text)

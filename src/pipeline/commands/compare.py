@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from pipeline.commands import typed
+from pipeline.commands import as_typed, typed
 from pipeline.errors import UserError
 from pipeline.kernel import digest, publish
 
@@ -26,7 +26,7 @@ class Listed:
 
 def main(arguments: Sequence[str]) -> int:
     """Compare two runs or sweeps, or all of two results folders; return 0 where all artefacts are equal, else 1."""
-    parser = argparse.ArgumentParser(prog=typed("compare"), description=__doc__)
+    parser = argparse.ArgumentParser(prog=typed("compare"), description=as_typed(__doc__ or ""))
     parser.add_argument("first", type=Path, help="folder of a run or sweep, with manifest.json, or a results folder")
     parser.add_argument("second", type=Path, help="the other one")
     parser.add_argument("--trust-manifest", action="store_true", help="compare the manifests, read no artefact")

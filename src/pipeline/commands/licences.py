@@ -11,7 +11,7 @@ from typing import Any, NamedTuple
 
 from packaging.requirements import Requirement
 
-from pipeline.commands import typed
+from pipeline.commands import as_typed, typed
 from pipeline.commands.terminal import table_lines
 from pipeline.errors import UserError
 from pipeline.kernel.places import INSTALLED, LOCK_FILE, PROJECT
@@ -65,7 +65,7 @@ def main(arguments: Sequence[str]) -> int:
     ------
     UserError : a package is missing that a run needs; the others are printed before, nothing is written.
     """
-    parser = argparse.ArgumentParser(prog=typed("licences"), description=__doc__)
+    parser = argparse.ArgumentParser(prog=typed("licences"), description=as_typed(__doc__ or ""))
     parser.add_argument("--write", action="store_true", help=f"write the table in {DOCS}")
     write = parser.parse_args(arguments).write
     found, missing, left_out = licences()

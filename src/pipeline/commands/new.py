@@ -1,4 +1,7 @@
-"""`python -m pipeline new experiment NAME`: a working skeleton of an experiment, to be changed into one's own."""
+"""`python -m pipeline new experiment NAME`: a working skeleton of an experiment, to be changed into one's own.
+
+A word of the project's own repository: an experiment is code, and goes into a clone.
+"""
 
 from __future__ import annotations
 
@@ -7,7 +10,7 @@ from collections.abc import Iterator, Sequence
 from pathlib import Path
 from string import Template
 
-from pipeline.commands import typed
+from pipeline.commands import as_typed, typed
 from pipeline.errors import UserError
 from pipeline.kernel import registry
 from pipeline.kernel.places import INSTALLED, PROJECT
@@ -28,7 +31,7 @@ PLACES = {
 
 def main(arguments: Sequence[str]) -> int:
     """Write the skeleton; return 0."""
-    parser = argparse.ArgumentParser(prog=typed("new"), description=__doc__)
+    parser = argparse.ArgumentParser(prog=typed("new"), description=as_typed(__doc__ or ""))
     parser.add_argument("what", choices=["experiment"], help="what to write")
     parser.add_argument("name", help="its name: small letters, digits and underscores")
     choices = parser.parse_args(arguments)

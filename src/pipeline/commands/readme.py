@@ -1,4 +1,7 @@
-"""`python -m pipeline readme [--check]`: what the README shows of the studies, from the cards of their pages."""
+"""`python -m pipeline readme [--check]`: what the README shows of the studies, from the cards of their pages.
+
+A word of the project's own repository, whose README has lines between which this stands.
+"""
 
 from __future__ import annotations
 
@@ -10,7 +13,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-from pipeline.commands import typed
+from pipeline.commands import as_typed, typed
 from pipeline.config.compose import cards
 from pipeline.errors import UserError
 from pipeline.kernel.places import PROJECT
@@ -24,10 +27,10 @@ BEGIN, END = "<!-- studies: begin -->", "<!-- studies: end -->"
 
 def main(arguments: Sequence[str]) -> int:
     """Write the answers, counts and pictures of the shipped studies; return 1 where --check finds others."""
-    parser = argparse.ArgumentParser(prog=typed("readme"), description=__doc__)
+    parser = argparse.ArgumentParser(prog=typed("readme"), description=as_typed(__doc__ or ""))
     parser.add_argument("--check", action="store_true", help="write nothing; tell what would be written otherwise")
     choices = parser.parse_args(arguments)
-    files = list(_files(list(_found(Path(REPORTS)))))
+    files = list(_files(_text(), list(_found(Path(REPORTS)))))
     stale = [path for path, content in files if not path.is_file() or path.read_bytes() != content]
     for path in stale:
         print(f"{path}: {'not as the runs of today have it' if choices.check else 'written'}")
@@ -51,10 +54,23 @@ def _found(reports: Path) -> Iterator[tuple[str, dict[str, Any]]]:
         yield name, json.loads(card.read_text(encoding="utf-8"))
 
 
-def _files(found: Sequence[tuple[str, Mapping[str, Any]]]) -> Iterator[tuple[Path, bytes]]:
-    text = README.read_text(encoding="utf-8")
-    if not re.search(f"{BEGIN}\n.*{END}", text, re.DOTALL):
-        raise UserError(f"{README}: no lines {BEGIN} and {END} to write between")
+def _text() -> str:
+    """Return the README.
+
+    Raises
+    ------
+    UserError : none here, or one without the lines.
+    """
+    text = README.read_text(encoding="utf-8") if README.is_file() else None
+    if text is None or not re.search(f"{BEGIN}\n.*{END}", text, re.DOTALL):
+        missing = "no such file is here" if text is None else f"it has no lines {BEGIN} and {END} to write between"
+        raise UserError(
+            f"{README}: {missing}; readme writes what the studies found into the README of the project's own repository"
+        )
+    return text
+
+
+def _files(text: str, found: Sequence[tuple[str, Mapping[str, Any]]]) -> Iterator[tuple[Path, bytes]]:
     told = "\n\n".join([_table(found), *(_shown(name, card) for name, card in found)])
     yield README, re.sub(f"{BEGIN}\n.*{END}", lambda _: f"{BEGIN}\n{told}\n{END}", text, flags=re.DOTALL).encode()
     for name, card in found:

@@ -14,7 +14,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from typing import Any
 
-from pipeline.commands import COMMANDS, profiles, typed
+from pipeline.commands import COMMANDS, OF_THE_REPOSITORY, profiles, typed
 from pipeline.commands.progress import shown, through
 from pipeline.commands.terminal import QUIET
 from pipeline.commands.workflow import say, tell
@@ -240,7 +240,8 @@ def _parser(listing: bool) -> argparse.ArgumentParser:
     examples = "\n".join(f"  {typed(words):<66} {meaning}" for words, meaning in EXAMPLES.items())
     parser = argparse.ArgumentParser(
         prog=typed(),
-        description=f"Battery charging studies. Other words: {', '.join(COMMANDS)}; each has --help.",
+        description=f"Battery charging studies. Other words: {', '.join(COMMANDS)}; each has --help.\n"
+        f"Of the project's own repository alone: {', '.join(OF_THE_REPOSITORY)}.",
         epilog=f"examples:\n{examples}\n\nconfiguration groups (group=option):\n{available}",
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
