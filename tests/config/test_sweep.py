@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+import shlex
 from typing import Any
 
 import pytest
@@ -112,6 +113,18 @@ def test_words_of_the_sweep_are_taken_out() -> None:
     for word in ("sweep.names=x", "sweep.name='a b'", "sweep.keep=[tracks]"):
         with pytest.raises(UserError, match=re.escape(f"override {word}")):
             asked([word])
+
+
+def test_the_printed_command_makes_the_same_sweep_again() -> None:
+    given = ["modes.run=[cc_cv]", "modes.cc_cv.max_current_a=1,2"]
+    own, wanted = asked(["sweep.name=mine", *given, "sweep.keep=[traces]", "sweep.job_s=5"])
+    (run,) = make_sweep(own, wanted, 2)["runs"]
+    words = shlex.split(run["command"])
+    assert words[:4] == ["python", "-m", "pipeline", "-m"]
+    # The work of a job changes nothing of what is made.
+    assert words[4:] == [*given, "sweep.name=mine", "sweep.keep=[traces]"]
+    again, anew = asked(words[4:])
+    assert (again, anew.name, anew.keep) == (own, "mine", ("traces",))
 
 
 def test_names_are_the_shortest_that_tell_keys_apart() -> None:

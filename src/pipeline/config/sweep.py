@@ -37,11 +37,13 @@ class Asked:
     name : of its folder; without, one is derived from the swept keys.
     keep : kinds of nodes that it makes on demand (`Step.swept_on_demand`), and `traces`.
     job_s : work of a job, at least, by estimate [s]; without, that of the profile.
+    words : those of them that say what is made, as they were given; a printed command has them.
     """
 
     name: str | None = None
     keep: tuple[str, ...] = ()
     job_s: float | None = None
+    words: tuple[str, ...] = field(default=(), compare=False)
 
 
 TRACES = "traces"
@@ -80,7 +82,8 @@ def asked(words: Sequence[str]) -> tuple[list[str], Asked]:
     word, job_s = given.get("sweep.job_s", ("", None))
     if job_s is not None and (isinstance(job_s, bool) or not isinstance(job_s, int | float) or not 0 <= job_s <= DAY_S):
         raise UserError(f"override {told(word)}: no work of a job; allowed are seconds from 0 to {DAY_S}")
-    return own, Asked(None if name is None else str(name), tuple(keep), job_s)
+    said = tuple(str(word) for key, (word, _) in given.items() if key != "sweep.job_s")
+    return own, Asked(None if name is None else str(name), tuple(keep), job_s, said)
 
 
 def make_sweep(words: Sequence[str], asked: Asked, cores: int, watch: Watch = lambda runs: runs) -> dict[str, Any]:
@@ -104,7 +107,7 @@ def make_sweep(words: Sequence[str], asked: Asked, cores: int, watch: Watch = la
         made = planner.run(run)
         values = {key: planner.value(run[place]) for place, key in keys.items() if key != "study"}
         studies.setdefault(made.study, _Gathered([])).runs.append((run, values, made))
-    command = f"python -m pipeline -m {shlex.join(words)}"
+    command = f"python -m pipeline -m {shlex.join([*words, *asked.words])}"
     found = [_sweep(study, gathered, asked, command, planner) for study, gathered in studies.items()]
     return sweeps.make(found, cores, asked.job_s or 0.0)
 

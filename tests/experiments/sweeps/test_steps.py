@@ -187,6 +187,8 @@ def test_the_page_shows_every_run_and_a_picture(
     page = (folder / "index.html").read_text(encoding="utf-8")
     assert "T &amp; U: 3 runs" in page
     assert "x=&lt;1&gt;,2" in page
+    # One comparison has no name of its own in the table.
+    assert "<figcaption>The modes: time, peak temperature" in page
     assert len(re.findall(r"<tr>", page)) == 4
     for file in re.findall(r'src="([^"]+)"', page):
         assert (folder / file).is_file()

@@ -40,7 +40,8 @@ def run(settings: Mapping[str, Any], inputs: Inputs, output: Output) -> None:
             style.save(pictures.draw(keys, own, columns), output.folder, name)
         size = pages.size_of((output.folder / f"{name}.svg").read_text(encoding="utf-8"))
         sizes.append(size)
-        drawn.append({"file": f"{name}.svg", "title": _called(comparison, names) or "The modes", "size": size})
+        title = _called(comparison, names) if comparison else "The modes"
+        drawn.append({"file": f"{name}.svg", "title": title, "size": size})
     missed = [name for name in columns if name.endswith(".missed") and any(columns[name])]
     page = pages.environment(TEMPLATE.parent).get_template(TEMPLATE.name)
     (output.folder / "index.html").write_text(
