@@ -218,6 +218,9 @@ def test_the_terminal_shows_the_runs_and_what_was_missed(table: Path, tmp_path: 
     assert lines[0].startswith("s/sweeps/pulses: 3 runs")
     assert "cv_reflex: 1 of 3 runs missed something, as far" in lines
     assert any("50.5" in line and "1.0003" in line for line in lines)
+    # In a pipe a line is a row: no boxes, and what was swept stands in each.
+    assert [line.split()[0] for line in lines[2:8]] == ["lead"] * 6
+    assert not re.search(r"[\x1b\u2500-\u257f]", "".join(lines))
     assert list(telling.lines(run, {"charge"}, tmp_path)) == []
 
 

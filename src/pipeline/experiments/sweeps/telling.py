@@ -17,6 +17,8 @@ MOST_ROWS = 12
 def lines(run: Mapping[str, Any], steps: Collection[str], results: Path) -> Iterator[str]:
     """Yield the lines of a table of a sweep's runs; none for what is no sweep, or was not asked for.
 
+    Where nobody watches, a line is a row, without boxes and with all its values.
+
     Arguments
     ---------
     run : as the plan holds it.
@@ -37,7 +39,10 @@ def lines(run: Mapping[str, Any], steps: Collection[str], results: Path) -> Iter
     # A comparison is enough here; the others are in the table.
     first = headlines[0].charge.rpartition(".")[0]
     headlines = [one for one in headlines if one.charge.rpartition(".")[0] == first]
-    table = Table(title=escape(_title(run, found.num_rows, first)), title_justify="left")
+    watched = sys.stdout.isatty()
+    look: dict[str, Any] = {} if watched else {"box": None, "pad_edge": False, "padding": (0, 2, 0, 0)}
+    yield _title(run, found.num_rows, first)
+    table = Table(**look)
     for name in swept:
         unit = (found.schema.field(name).metadata or {}).get(b"unit", b"").decode()
         table.add_column(escape(name + _unit(unit)), justify="left" if unit == "" else "right", no_wrap=True)
@@ -53,14 +58,13 @@ def lines(run: Mapping[str, Any], steps: Collection[str], results: Path) -> Iter
             cells = [told.get(title) for title, _ in titles]
             numbers = [(one and text(columns[one.column][row], one.factor)) or "-" for one in cells]
             table.add_row(*values, escape(mode.removeprefix(f"{first}.")), *numbers)
-            values = [""] * len(values)
+            values = [""] * len(values) if watched else values
         table.add_section()
-    if found.num_rows > len(shown):
-        table.caption = f"and {found.num_rows - len(shown)} more in the table"
-    watched = sys.stdout.isatty()
-    console = Console(width=None if watched else 120, record=True, file=io.StringIO())
+    console = Console(width=None if watched else 1000, record=True, file=io.StringIO())
     console.print(table)
-    yield from console.export_text(styles=watched).rstrip().splitlines()
+    yield from (line.rstrip() for line in console.export_text(styles=watched).rstrip().splitlines())
+    if found.num_rows > len(shown):
+        yield f"and {found.num_rows - len(shown)} more runs in the table"
     missed = [name for name in found.column_names if name.endswith(".missed")]
     for name in missed:
         some = [row for row, told in enumerate(columns[name]) if told]
