@@ -31,6 +31,21 @@ def runs(tmp_path: Path) -> tuple[Path, Path]:
     return _run(tmp_path / "a", [1.0, 2.0, 4.0]), _run(tmp_path / "b", [1.0, 2.0, 4.0])
 
 
+def _tables(root: Path, *tables: dict[str, list[object]]) -> list[Path]:
+    """Publish a run of each table, in a project of its own."""
+    runs = []
+    for number, columns in enumerate(tables):
+        folder = _run(root / str(number), [])
+        file = folder / "trace.parquet"
+        pq.write_table(pa.table(columns), file)
+        text = (folder / "manifest.json").read_text()
+        manifest = json.loads(text)
+        manifest["artefacts"][0]["sha256"] = digest.of_file(file)
+        (folder / "manifest.json").write_text(json.dumps(manifest))
+        runs.append(folder)
+    return runs
+
+
 def _compare(*words: object) -> int:
     return main(["compare", *map(str, words)])
 
@@ -138,3 +153,83 @@ def test_a_manifest_that_lists_what_is_not_of_its_run_is_refused(
     (sweeps[0] / "manifest.json").write_text(text.replace("reports/study/sweeps/one", "reports/study"))
     assert _compare(*sweeps) == 2
     assert "run the study again" in capsys.readouterr().err
+
+
+QUANTITIES = ["end", "loss", "rise", "soc"]
+
+
+@pytest.mark.parametrize(
+    ("first", "second", "told"),
+    [
+        (
+            {"quantity": QUANTITIES, "value": [1.0, 2.0, 3.0, 4.0], "unit": ["s", "W", "K", "1"]},
+            {"quantity": QUANTITIES, "value": [1.0, 2.0, 6.0, 4.0], "unit": ["s", "W", "K", "1"]},
+            ["column 'value', quantity 'rise': 3.0 and 6.0; 1 rows differ, largest relative difference 0.5"],
+        ),
+        (  # rows that moved are not told as differing
+            {"path": QUANTITIES, "value": [1.0, 2.0, 3.0, 4.0]},
+            {"path": [QUANTITIES[at] for at in (3, 1, 0)], "value": [4.0, 2.0, 9.0]},
+            [
+                "4 and 3 rows",
+                "path of the first only: 'rise'",
+                "column 'value', path 'end': 1.0 and 9.0; 1 rows differ",
+            ],
+        ),
+        (  # two columns together
+            {"mode": ["a", "a", "b", "b"], "quantity": ["x", "y", "x", "y"], "value": [1, 2, 3, 4]},
+            {"mode": ["a", "a", "b", "b"], "quantity": ["x", "y", "x", "y"], "value": [1, 2, 3, 5]},
+            ["column 'value', mode 'b', quantity 'y': 4 and 5; 1 rows differ"],
+        ),
+        (  # a verdict changed: the statement names it
+            {"statement": ["s1", "s2"], "verdict": ["holds", "fails"]},
+            {"statement": ["s1", "s2"], "verdict": ["holds", "holds"]},
+            ["column 'verdict', statement 's2': 'fails' and 'holds'; 1 rows differ"],
+        ),
+        (  # words that are the same in many rows, or missing, name none
+            {"end": ["full", "full", None], "value": [1.0, 2.0, 3.0]},
+            {"end": ["full", "full", None], "value": [1.0, 2.5, 3.0]},
+            ["column 'value', row 1: 2.0 and 2.5; 1 rows differ"],
+        ),
+        (  # names of other things altogether
+            {"run": ["a", "b"], "value": [1.0, 2.0]},
+            {"run": ["c", "d"], "value": [1.0, 3.0]},
+            ["column 'run', row 0: 'a' and 'c'; 2 rows differ", "column 'value', row 1: 2.0 and 3.0; 1 rows differ"],
+        ),
+        (
+            {"value": [1.0], **{f"c{at}": [0.0] for at in range(7)}},
+            {"value": [1.0], "other": [2.0]},
+            ["columns of the first only: 'c0', 'c1', 'c2', 'c3', 'c4', 2 more", "columns of the second only: 'other'"],
+        ),
+    ],
+)
+def test_a_row_is_told_by_its_name_where_it_has_one(
+    first: dict[str, list[object]],
+    second: dict[str, list[object]],
+    told: list[str],
+    tmp_path: Path,
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    assert _compare(*_tables(tmp_path, first, second)) == 1
+    lines = [line.strip() for line in capsys.readouterr().out.splitlines()[1:-1]]
+    assert [line for line in lines if not line.startswith("values of the common")] == [
+        next((line for line in lines if line.startswith(one)), one) for one in told
+    ]
+
+
+def test_a_run_is_known_by_its_name_alone(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    _run(tmp_path, [1.0], "default")
+    _run(tmp_path, [1.0], "battery=other")
+    _run(tmp_path, [2.0], "sweeps/one")
+    monkeypatch.chdir(tmp_path)
+    same = ("study", "study/default", "study/battery=other", "./results/study/default/", "reports/study/default")
+    for word in same:
+        assert _compare("study/default", word) == 0
+    assert _compare("study/default", "study/sweeps/one") == 1
+    assert "column 'Voltage / V', row 0: 1.0 and 2.0" in capsys.readouterr().out
+    assert _compare("study/default", "study/batery=other") == 2
+    assert capsys.readouterr().err == (
+        "error: study/batery=other: no such folder, and no run of this name; "
+        "best matches are: study/battery=other, study/default\n"
+    )

@@ -4,14 +4,21 @@ from __future__ import annotations
 
 import argparse
 import json
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 from pipeline.commands import as_typed, typed
-from pipeline.errors import UserError
+from pipeline.errors import UserError, best_matches
 from pipeline.kernel import digest, publish
+from pipeline.kernel.store import REPORTS, RESULTS
+
+MOST = 5
+"""Names of one side alone that are told."""
+LONGEST_NAME = 100
+"""Letters of the name of a row; what is longer explains one."""
+Columns = Mapping[str, list[Any]]
 
 
 @dataclass(frozen=True)
@@ -27,11 +34,11 @@ class Listed:
 def main(arguments: Sequence[str]) -> int:
     """Compare two runs or sweeps, or all of two results folders; return 0 where all artefacts are equal, else 1."""
     parser = argparse.ArgumentParser(prog=typed("compare"), description=as_typed(__doc__ or ""))
-    parser.add_argument("first", type=Path, help="folder of a run or sweep, with manifest.json, or a results folder")
+    parser.add_argument("first", type=Path, help="study/run, the folder of a run or sweep, or a results folder")
     parser.add_argument("second", type=Path, help="the other one")
     parser.add_argument("--trust-manifest", action="store_true", help="compare the manifests, read no artefact")
     options = parser.parse_args(arguments)
-    first, second = artefacts(options.first), artefacts(options.second)
+    first, second = artefacts(placed(options.first)), artefacts(placed(options.second))
     both = sorted(first.keys() & second.keys())
     if options.trust_manifest:
         told = {
@@ -57,6 +64,33 @@ def main(arguments: Sequence[str]) -> int:
     return 1 if differing or single else 0
 
 
+def placed(words: Path) -> Path:
+    """Return the folder that words name: itself, or `study/run` of the results here, or a study's run `default`.
+
+    Raises
+    ------
+    UserError : no such folder, and no run of this name.
+    """
+    name = shortened(words)
+    folder = RESULTS / (name if "/" in name else f"{name}/default")
+    found = next((one for one in (words, folder) if _manifests(one)), words)
+    if not found.exists():
+        known = {path.parent.relative_to(RESULTS).as_posix() for path in publish.manifests(RESULTS)}
+        raise UserError(f"{words}: no such folder, and no run of this name; {best_matches(name, known)}")
+    return found
+
+
+def shortened(words: str | Path) -> str:
+    """Return the name of a run, `study/run`, where its folder was given too."""
+    return Path(words).as_posix().removeprefix(f"{RESULTS}/").removeprefix(f"{REPORTS}/").strip("/")
+
+
+def _manifests(folder: Path) -> list[Path]:
+    """Return the manifests of a run, else of all runs and sweeps of a study, else of a results folder."""
+    of_study = (path for pattern in ("*", "sweeps/*") for path in folder.glob(f"{pattern}/manifest*.json"))
+    return sorted(folder.glob("manifest*.json")) or sorted(of_study) or publish.manifests(folder)
+
+
 def artefacts(folder: Path) -> dict[str, Listed]:
     """Return place -> artefact of every file that the manifests in a folder list, those of parts (`-t`) included.
 
@@ -68,8 +102,7 @@ def artefacts(folder: Path) -> dict[str, Listed]:
     ------
     UserError : no manifest there, or one that is damaged.
     """
-    of_study = (path for pattern in ("*", "sweeps/*") for path in folder.glob(f"{pattern}/manifest*.json"))
-    paths = sorted(folder.glob("manifest*.json")) or sorted(of_study) or publish.manifests(folder)
+    paths = _manifests(folder)
     if not paths:
         raise UserError(f"{folder}: no manifest.json there; allowed is the folder of a run or sweep, or results")
     found: dict[str, Listed] = {}
@@ -140,13 +173,17 @@ def _table_differences(first: Path, second: Path) -> Iterator[str]:
     if len(tables) < 2:
         return
     here, there = tables
-    if here.column_names != there.column_names:
-        yield f"columns {here.column_names} and {there.column_names}"
+    yield from _one_sided("columns", here.column_names, there.column_names)
     if here.num_rows != there.num_rows:
         yield f"{here.num_rows} and {there.num_rows} rows"
+    common = [name for name in here.column_names if name in there.column_names]
+    ours, theirs = ({name: table[name].to_pylist() for name in common} for table in tables)
+    names, pairs = _paired(ours, theirs)
+    if names:
+        yield from _one_sided(" and ".join(names), _rows(ours, names), _rows(theirs, names))
     equal = True
-    for name in (name for name in here.column_names if name in there.column_names):
-        line = _column_difference(name, here[name].to_pylist(), there[name].to_pylist())
+    for name in common:
+        line = _column_difference(name, ours, theirs, names, pairs)
         if line:
             equal = False
             yield line
@@ -154,15 +191,57 @@ def _table_differences(first: Path, second: Path) -> Iterator[str]:
         yield "values of the common columns and rows are equal; the bytes of the files differ"
 
 
-def _column_difference(name: str, here: list[Any], there: list[Any]) -> str | None:
+def _one_sided(what: str, here: Sequence[Any], there: Sequence[Any]) -> Iterator[str]:
+    """Yield the first names that one side alone has."""
+    for side, own, other in (("first", here, set(there)), ("second", there, set(here))):
+        alone = [one for one in own if one not in other]
+        if alone:
+            told = [_named(one) for one in alone[:MOST]] + [f"{len(alone) - MOST} more"] * (len(alone) > MOST)
+            yield f"{what} of the {side} only: {', '.join(told)}"
+
+
+def _named(one: Any) -> str:
+    return " and ".join(map(repr, one)) if isinstance(one, tuple) else repr(one)
+
+
+def _paired(here: Columns, there: Columns) -> tuple[list[str], list[tuple[int, int]]]:
+    """Return the columns that name the rows of two tables, and which rows belong together; by number without names.
+
+    A column of short words, no two the same, names the rows, as `quantity` does; or the first such columns together.
+    They are names where most rows have theirs on both sides.
+    """
+    words = [name for name in here if _is_words(here[name]) and _is_words(there[name])]
+    for names in [*([name] for name in words), *(words[:count] for count in range(2, len(words) + 1))]:
+        first, second = _rows(here, names), _rows(there, names)
+        at = {key: row for row, key in enumerate(second)}
+        pairs = [(row, at[key]) for row, key in enumerate(first) if key in at]
+        distinct = len(set(first)) == len(first) and len(at) == len(second)
+        if distinct and 2 * len(pairs) > max(len(first), len(second)):
+            return names, pairs
+    return [], [(row, row) for row in range(min((len(one) for one in (*here.values(), *there.values())), default=0))]
+
+
+def _is_words(column: Sequence[Any]) -> bool:
+    return all(isinstance(one, str) and 0 < len(one) <= LONGEST_NAME for one in column)
+
+
+def _rows(columns: Columns, names: Sequence[str]) -> list[Any]:
+    """Return what names each row: the word of the one column, or those of several."""
+    return columns[names[0]] if len(names) == 1 else list(zip(*(columns[name] for name in names), strict=True))
+
+
+def _column_difference(
+    name: str, here: Columns, there: Columns, names: Sequence[str], pairs: Sequence[tuple[int, int]]
+) -> str | None:
     """Return the first differing row of a column and the largest relative difference of its numbers."""
-    rows = [i for i, (a, b) in enumerate(zip(here, there, strict=False)) if a != b and not (a != a and b != b)]
-    if not rows:
+    cells = [(row, here[name][row], there[name][other]) for row, other in pairs]
+    differing = [(row, a, b) for row, a, b in cells if a != b and not (a != a and b != b)]
+    if not differing:
         return None
-    row = rows[0]
-    line = f"column {name!r}, row {row}: {here[row]!r} and {there[row]!r}; {len(rows)} rows differ"
-    pairs = [(here[i], there[i]) for i in rows]
-    numbers = [(a, b) for a, b in pairs if isinstance(a, int | float) and isinstance(b, int | float)]
+    row, one, other = differing[0]
+    which = ", ".join(f"{title} {here[title][row]!r}" for title in names) or f"row {row}"
+    line = f"column {name!r}, {which}: {one!r} and {other!r}; {len(differing)} rows differ"
+    numbers = [(a, b) for _, a, b in differing if isinstance(a, int | float) and isinstance(b, int | float)]
     if numbers:
         line += f", largest relative difference {max(_relative(a, b) for a, b in numbers):.3g}"
     return line

@@ -15,6 +15,7 @@ from pathlib import Path
 from typing import Any
 
 from pipeline.commands import as_typed, typed
+from pipeline.commands.compare import shortened
 from pipeline.commands.terminal import say, table_lines
 from pipeline.config.naming import run_name
 from pipeline.errors import UserError, best_matches
@@ -36,7 +37,7 @@ def main(arguments: Sequence[str]) -> int:
     parser.add_argument("run", nargs="?", help=words)
     parser.add_argument("--single-file", type=Path, metavar="FILE", help="write the page with all it shows in one file")
     options = parser.parse_args(arguments)
-    run = (options.run or _default()).removeprefix(f"{RESULTS}/").removeprefix(f"{REPORTS}/").strip("/")
+    run = shortened(options.run or _default())
     swept = _of_sweep(run)
     if swept is not None:
         study, overrides = swept
