@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-import argparse
 import json
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from pipeline.commands import as_typed, typed
+from pipeline.commands import Parser, as_typed, typed
 from pipeline.errors import UserError, best_matches
 from pipeline.kernel import digest, publish
 from pipeline.kernel.store import REPORTS, RESULTS
@@ -33,7 +32,7 @@ class Listed:
 
 def main(arguments: Sequence[str]) -> int:
     """Compare two runs or sweeps, or all of two results folders; return 0 where all artefacts are equal, else 1."""
-    parser = argparse.ArgumentParser(prog=typed("compare"), description=as_typed(__doc__ or ""))
+    parser = Parser(prog=typed("compare"), description=as_typed(__doc__ or ""))
     parser.add_argument("first", type=Path, help="study/run, the folder of a run or sweep, or a results folder")
     parser.add_argument("second", type=Path, help="the other one")
     parser.add_argument("--trust-manifest", action="store_true", help="compare the manifests, read no artefact")

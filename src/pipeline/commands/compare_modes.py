@@ -18,7 +18,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 from pipeline.charge.comparison import peak_current_a
 from pipeline.charge.feasible import notices, remarks
-from pipeline.commands import as_typed, typed
+from pipeline.commands import Parser, as_typed, typed
 from pipeline.commands.terminal import table_lines
 from pipeline.commands.workflow import say
 from pipeline.config.choices import parse
@@ -74,7 +74,7 @@ class Measure(NamedTuple):
 
 def main(arguments: Sequence[str]) -> int:
     """Charge, print the answer and a table, write the page; return 0."""
-    parser = argparse.ArgumentParser(
+    parser = Parser(
         prog=typed("compare-modes"),
         description=as_typed(__doc__ or ""),
         formatter_class=argparse.RawDescriptionHelpFormatter,

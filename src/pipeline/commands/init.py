@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-import argparse
 import re
 from collections.abc import Iterator, Sequence
 from importlib import metadata
 from pathlib import Path
 from string import Template
 
-from pipeline.commands import as_typed, typed
+from pipeline.commands import Parser, as_typed, typed
 from pipeline.errors import UserError
 from pipeline.kernel.places import SHIPPED
 from pipeline.kernel.plan import PYTHON
@@ -35,7 +34,7 @@ COPIED = ("profiles/default/config.yaml", "requirements.lock")
 
 def main(arguments: Sequence[str]) -> int:
     """Write the project; return 0."""
-    parser = argparse.ArgumentParser(prog=typed("init"), description=as_typed(__doc__ or ""))
+    parser = Parser(prog=typed("init"), description=as_typed(__doc__ or ""))
     parser.add_argument("folder", type=Path, help="where; must be empty or not there yet")
     parser.add_argument("--name", help="of its study (the folder's name)")
     choices = parser.parse_args(arguments)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import argparse
 import re
 from collections.abc import Iterator, Mapping, Sequence
 from importlib import metadata
@@ -11,7 +10,7 @@ from typing import Any, NamedTuple
 
 from packaging.requirements import Requirement
 
-from pipeline.commands import as_typed, typed
+from pipeline.commands import Parser, as_typed, typed
 from pipeline.commands.terminal import table_lines
 from pipeline.errors import UserError
 from pipeline.kernel.places import INSTALLED, LOCK_FILE, PROJECT
@@ -65,7 +64,7 @@ def main(arguments: Sequence[str]) -> int:
     ------
     UserError : a package is missing that a run needs; the others are printed before, nothing is written.
     """
-    parser = argparse.ArgumentParser(prog=typed("licences"), description=as_typed(__doc__ or ""))
+    parser = Parser(prog=typed("licences"), description=as_typed(__doc__ or ""))
     parser.add_argument("--write", action="store_true", help=f"write the table in {DOCS}")
     write = parser.parse_args(arguments).write
     found, missing, left_out = licences()

@@ -14,7 +14,7 @@ from pydantic import BaseModel, ValidationError
 from pipeline.cell.records import Battery, resting_voltage_v
 from pipeline.charge.records import COMPENSATION, Mode
 from pipeline.charge.waveforms import WAVEFORMS, Limit, Until
-from pipeline.commands import typed
+from pipeline.commands import Parser, typed
 from pipeline.commands.terminal import table_lines
 from pipeline.config.compose import Composed, choose, options
 from pipeline.config.inheritance import CONF, content, file_of, stamp
@@ -263,5 +263,5 @@ def _no_overrides(words: Sequence[str]) -> list[str]:
     return [word.lower() for word in words]
 
 
-def _parser(word: str, says: str) -> argparse.ArgumentParser:
-    return argparse.ArgumentParser(prog=typed(word), description=says)
+def _parser(word: str, says: str) -> Parser:
+    return Parser(prog=typed(word), description=says)

@@ -5,12 +5,11 @@ A word of the project's own repository: an experiment is code, and goes into a c
 
 from __future__ import annotations
 
-import argparse
 from collections.abc import Iterator, Sequence
 from pathlib import Path
 from string import Template
 
-from pipeline.commands import as_typed, typed
+from pipeline.commands import Parser, as_typed, typed
 from pipeline.errors import UserError
 from pipeline.kernel import registry
 from pipeline.kernel.places import INSTALLED, PROJECT
@@ -31,7 +30,7 @@ PLACES = {
 
 def main(arguments: Sequence[str]) -> int:
     """Write the skeleton; return 0."""
-    parser = argparse.ArgumentParser(prog=typed("new"), description=as_typed(__doc__ or ""))
+    parser = Parser(prog=typed("new"), description=as_typed(__doc__ or ""))
     parser.add_argument("what", choices=["experiment"], help="what to write")
     parser.add_argument("name", help="its name: small letters, digits and underscores")
     choices = parser.parse_args(arguments)

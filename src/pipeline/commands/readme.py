@@ -5,7 +5,6 @@ A word of the project's own repository, whose README has lines between which thi
 
 from __future__ import annotations
 
-import argparse
 import json
 import re
 import shutil
@@ -13,7 +12,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-from pipeline.commands import as_typed, typed
+from pipeline.commands import Parser, as_typed, typed
 from pipeline.config.compose import cards
 from pipeline.errors import UserError
 from pipeline.kernel.places import PROJECT
@@ -27,7 +26,7 @@ BEGIN, END = "<!-- studies: begin -->", "<!-- studies: end -->"
 
 def main(arguments: Sequence[str]) -> int:
     """Write the answers, counts and pictures of the shipped studies; return 1 where --check finds others."""
-    parser = argparse.ArgumentParser(prog=typed("readme"), description=as_typed(__doc__ or ""))
+    parser = Parser(prog=typed("readme"), description=as_typed(__doc__ or ""))
     parser.add_argument("--check", action="store_true", help="write nothing; tell what would be written otherwise")
     choices = parser.parse_args(arguments)
     files = list(_files(_text(), list(_found(Path(REPORTS)))))

@@ -5,7 +5,6 @@ A run of a sweep, which keeps its numbers alone, is made whole first.
 
 from __future__ import annotations
 
-import argparse
 import base64
 import json
 import re
@@ -14,7 +13,7 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-from pipeline.commands import as_typed, typed
+from pipeline.commands import Parser, as_typed, typed
 from pipeline.commands.compare import shortened
 from pipeline.commands.terminal import say, table_lines
 from pipeline.config.naming import run_name
@@ -32,7 +31,7 @@ from pipeline.report.pages import TRACES
 
 def main(arguments: Sequence[str]) -> int:
     """Print a run's verdicts, or its charges where nothing is published, or write its page as one file; return 0."""
-    parser = argparse.ArgumentParser(prog=typed("report"), description=as_typed(__doc__ or ""))
+    parser = Parser(prog=typed("report"), description=as_typed(__doc__ or ""))
     words = "study/run (the study of conf/config.yaml, its default run), a sweep, or a run of one"
     parser.add_argument("run", nargs="?", help=words)
     parser.add_argument("--single-file", type=Path, metavar="FILE", help="write the page with all it shows in one file")

@@ -18,8 +18,8 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
+from pipeline.commands import Parser, typed
 from pipeline.commands import expected as expectation
-from pipeline.commands import typed
 from pipeline.commands.expected import Comparison, Recorded
 from pipeline.commands.run import cores
 from pipeline.config.naming import run_name
@@ -55,8 +55,8 @@ def main(arguments: Sequence[str]) -> int:
     return _tell(expected, found, machine(choices.generic))
 
 
-def _parser() -> argparse.ArgumentParser:
-    parser = argparse.ArgumentParser(
+def _parser() -> Parser:
+    parser = Parser(
         prog=typed("reproduce"),
         description="Runs the studies cold in a fresh folder, with another number of cores, hash seed, time zone, "
         "locale and umask, and compares with what is expected: bytes where the machine is the recorded one, else "

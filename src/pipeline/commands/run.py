@@ -14,7 +14,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from typing import Any
 
-from pipeline.commands import COMMANDS, OF_THE_REPOSITORY, profiles, typed
+from pipeline.commands import COMMANDS, OF_THE_REPOSITORY, Parser, profiles, typed
 from pipeline.commands.progress import shown, through
 from pipeline.commands.terminal import QUIET
 from pipeline.commands.workflow import say, tell
@@ -52,7 +52,7 @@ def main(arguments: Sequence[str]) -> int:
     _refuse_mistyped(arguments[:1])
     unknown = [word for word in overrides if word.startswith("-")]
     if unknown:
-        raise UserError(f"option {unknown[0]}: unknown; see {typed('--help')}{_nearest_option(parser, unknown[0])}")
+        raise UserError(f"option {unknown[0]}: unknown; see {typed('--help')}{parser.nearest(unknown[0])}")
     if not options_.cfg:
         for name in (name for name in ("resolve", "package") if getattr(options_, name)):
             raise UserError(f"option --{name}: of what --cfg prints; give --cfg beside it")
@@ -105,12 +105,6 @@ def _refuse_mistyped(words: Sequence[str]) -> None:
         known += [f"-t {name}" for name in ("all", *registry.targets(), "report")]
         if closest(word, known):
             raise UserError(f"{word}: no word of {typed()}; {best_matches(word, known)}; a run takes key=value")
-
-
-def _nearest_option(parser: argparse.ArgumentParser, word: str) -> str:
-    known = [option for action in parser._actions for option in action.option_strings if option.startswith("--")]
-    near = closest(word.split("=", 1)[0], known) if word.startswith("--") else []
-    return f"; best matches are: {', '.join(near)}" if near else ""
 
 
 def _swept(plan: Mapping[str, Any], words: Sequence[str], descriptor: int | None, profile: profiles.Profile) -> int:
@@ -231,14 +225,14 @@ def snakemake(
     return code if code >= 0 else 128 - code
 
 
-def _parser(listing: bool) -> argparse.ArgumentParser:
+def _parser(listing: bool) -> Parser:
     available = ""
     if listing:
         from pipeline.config.compose import groups, options
 
         available = "\n".join(f"  {group:<12} {', '.join(options(group))}" for group in groups())
     examples = "\n".join(f"  {typed(words):<66} {meaning}" for words, meaning in EXAMPLES.items())
-    parser = argparse.ArgumentParser(
+    parser = Parser(
         prog=typed(),
         description=f"Battery charging studies. Other words: {', '.join(COMMANDS)}; each has --help.\n"
         f"Of the project's own repository alone: {', '.join(OF_THE_REPOSITORY)}.",

@@ -2,19 +2,18 @@
 
 from __future__ import annotations
 
-import argparse
 import json
 from collections.abc import Sequence
 from pathlib import Path
 
-from pipeline.commands import as_typed, typed
+from pipeline.commands import Parser, as_typed, typed
 from pipeline.config.schema import schema
 from pipeline.kernel.store import RESULTS, write_json
 
 
 def main(arguments: Sequence[str]) -> int:
     """Write the schema, or print it; return 0."""
-    parser = argparse.ArgumentParser(prog=typed("schema"), description=as_typed(__doc__ or ""))
+    parser = Parser(prog=typed("schema"), description=as_typed(__doc__ or ""))
     parser.add_argument("-o", "--output", type=Path, default=RESULTS / "schema.json", help="file (%(default)s)")
     parser.add_argument("-p", "--print", action="store_true", help="print it instead")
     choices = parser.parse_args(arguments)

@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-import argparse
 from collections.abc import Iterator, Sequence
 
-from pipeline.commands import as_typed, typed
+from pipeline.commands import Parser, as_typed, typed
 from pipeline.kernel import registry
 from pipeline.kernel.experiment import EVERYTHING, FOUND, Step
 
@@ -14,7 +13,7 @@ _WORDS = {FOUND: "found values", EVERYTHING: "all that it shows"}
 
 def main(arguments: Sequence[str]) -> int:
     """Print the steps in the order in which they can run; return 0."""
-    parser = argparse.ArgumentParser(prog=typed("steps"), description=as_typed(__doc__ or ""))
+    parser = Parser(prog=typed("steps"), description=as_typed(__doc__ or ""))
     parser.add_argument("step", nargs="?", choices=list(registry.steps()), metavar="STEP", help="this step alone")
     parser.add_argument("-s", "--short", action="store_true", help="a line a step: what it takes, and its rule")
     options = parser.parse_args(arguments)

@@ -14,7 +14,7 @@ from typing import Any
 from rich.console import Console
 from rich.table import Table
 
-from pipeline.commands import as_typed, typed
+from pipeline.commands import Parser, as_typed, typed
 from pipeline.commands.workflow import say
 from pipeline.errors import UserError
 from pipeline.kernel import digest, lock, planfile, publish, receipts, store
@@ -25,7 +25,7 @@ _UNITS = {"B": 1, "KiB": 2**10, "MiB": 2**20, "GiB": 2**30, "TiB": 2**40}
 
 def main(arguments: Sequence[str]) -> int:
     """List, verify or clean; return 1 where something is damaged."""
-    parser = argparse.ArgumentParser(prog=typed("store"), description=as_typed(__doc__ or ""))
+    parser = Parser(prog=typed("store"), description=as_typed(__doc__ or ""))
     words = parser.add_subparsers(dest="word", metavar="list|verify|clean")
     words.add_parser("list", help="artefacts of each step and study: number, size, age (the default)")
     words.add_parser("verify", help="read artefacts, readable views, plans and receipts; 1 where one is damaged")

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import argparse
 from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
@@ -11,7 +10,7 @@ from typing import Any
 from rich.console import Console
 from rich.table import Table
 
-from pipeline.commands import as_typed, typed
+from pipeline.commands import Parser, as_typed, typed
 from pipeline.commands.run import cores, planned, snakemake
 from pipeline.commands.workflow import say
 from pipeline.experiments.validation.records import BROKEN, NOT_INSTALLED
@@ -23,7 +22,7 @@ STUDY = "validation"
 
 def main(arguments: Sequence[str]) -> int:
     """Run the checks that are not there yet, print what they come to; return 0, or 1 where a bound is broken."""
-    parser = argparse.ArgumentParser(prog=typed("validate"), description=as_typed(__doc__ or ""))
+    parser = Parser(prog=typed("validate"), description=as_typed(__doc__ or ""))
     parser.add_argument("-c", "--cores", type=cores, default="2", help="cores Snakemake may use (%(default)s)")
     parser.add_argument("-a", "--all-rows", action="store_true", help="print every row, not only those that fail")
     options = parser.parse_args(arguments)
