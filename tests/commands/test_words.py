@@ -171,15 +171,38 @@ def test_a_faulty_file_is_told_whatever_battery_is_looked_for(
 
 
 @pytest.mark.parametrize("words", [["mine"], ["kc65t"], ["nothing like it"]])
+@pytest.mark.parametrize("fault", ["max_power_w: [", "defaults: [kc65t]\nmax_power_w: 65 W\n", "title: Mine\n"])
 def test_a_faulty_file_is_told_whatever_panel_is_looked_for(
-    words: list[str], own: Path, capsys: pytest.CaptureFixture[str]
+    fault: str, words: list[str], own: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    (own / "panel" / "mine.yaml").write_text("max_power_w: [")
+    (own / "panel" / "mine.yaml").write_text(fault)
     assert main(["panels", *words]) == 0
     lines = capsys.readouterr().out.splitlines()
-    assert lines[-1].startswith("mine: ")
-    assert "conf/panel/mine.yaml" in lines[-1]
+    assert any(line.startswith("mine: ") and "conf/panel/mine.yaml" in line for line in lines)
     assert any(line.startswith("kc65t ") for line in lines) == (words == ["kc65t"])
+
+
+SHEET = """\
+title: Mine
+technology: multi_silicon
+max_power_w: 66.0
+max_power_voltage_v: 17.4
+max_power_current_a: 3.79
+open_circuit_voltage_v: 21.7
+short_circuit_current_a: 3.99
+"""
+
+
+@pytest.mark.parametrize("sheet", ["defaults: [kc65t, _self_]\ntitle: Mine\nmax_power_w: 66.0\n", SHEET])
+def test_a_panel_that_builds_on_another_or_leaves_numbers_out_is_listed(
+    sheet: str, own: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    (own / "panel" / "mine.yaml").write_text(sheet)
+    assert main(["panels", "mine"]) == 0
+    _, row, count = _rows(capsys.readouterr().out)
+    assert row[:3] == ["mine", "66", "17.4"]
+    assert row[6] == "36"
+    assert count == ["1 panel"]
 
 
 def test_a_battery_says_where_its_values_come_from_and_how_far_they_go() -> None:

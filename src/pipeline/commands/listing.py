@@ -7,7 +7,7 @@ import math
 import re
 from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, TypeVar
 
 from pydantic import BaseModel, ValidationError
 
@@ -17,14 +17,16 @@ from pipeline.charge.waveforms import WAVEFORMS, Limit, Until
 from pipeline.commands import Parser, typed
 from pipeline.commands.terminal import table_lines
 from pipeline.config.compose import Composed, choose, options
-from pipeline.config.inheritance import CONF, content, file_of, stamp
+from pipeline.config.inheritance import CONF, stamp
 from pipeline.config.messages import explain
 from pipeline.config.sources import Source, split
 from pipeline.errors import UserError, best_matches
 from pipeline.panel import database
 from pipeline.panel.database import Listed
+from pipeline.panel.records import Panel
 from pipeline.report import text
 
+_R = TypeVar("_R", bound=BaseModel)
 HEAD = """\
 A mode is a YAML file in conf/modes: `title`, knobs, `phases`, `stop`, `sources`.
   phases:  name -> {waveform: {parameters}, limit: {...}, until: {...}}, in the order in which they run
@@ -104,16 +106,26 @@ def batteries(arguments: Sequence[str]) -> int:
 
 
 def _battery(name: str) -> tuple[Battery, dict[str, Source]]:
-    """Return a battery and the sources of its values; the modes, which a run would compose too, are left out."""
-    words = ("~study", f"+battery={name}")
+    """Return a battery and the sources of its values."""
+    composed, values, sources = _card("battery", name)
+    return _record(Battery, "battery", values, composed), sources
+
+
+def _card(group: str, name: str) -> tuple[Composed, dict[str, Any], dict[str, Source]]:
+    """Return a file of a group as a run has it, its values and their sources, without what a run composes beside it."""
+    words = ("~study", f"+{group}={name}")
     found = choose(words, CONF, stamp(CONF))
     composed = Composed(found.with_values(()), words, found.layers)
     values, written = split(composed.tree)
-    sources = {path: Source.model_validate(one) for path, one in written.items() if path.startswith("battery.")}
+    sources = {path: Source.model_validate(one) for path, one in written.items() if path.startswith(f"{group}.")}
+    return composed, values[group], sources
+
+
+def _record(record: type[_R], group: str, values: Any, composed: Composed) -> _R:
     try:
-        return Battery.model_validate(values["battery"]), sources
+        return record.model_validate(values)
     except ValidationError as error:
-        raise explain(error, values["battery"], "battery", composed.origin, Battery) from None
+        raise explain(error, values, group, composed.origin, record) from None
 
 
 def _battery_row(name: str, one: Battery, sources: Mapping[str, Source]) -> tuple[str, ...]:
@@ -241,17 +253,20 @@ def _nearest(words: Sequence[str]) -> str:
 
 
 def _own_panels() -> tuple[list[Listed], list[str]]:
-    """Return the panels that are described in conf/panel, as their files have them, and what faulty files have."""
+    """Return the panels that are described in conf/panel, and what is wrong with files that describe none.
+
+    An entry of a database, which has its `name` there, is listed with that.
+    """
     found, refused = [], []
     for name in options("panel"):
         try:
-            values: Any = content(file_of(CONF, f"panel/{name}.yaml"))
+            composed, values, _ = _card("panel", name)
+            if "name" not in values:
+                sheet, _ = database.completed(values)
+                one = _record(Panel, "panel", sheet, composed)
+                found.append(Listed.of(name, "conf/panel", one.model_dump(), str(values.get("technology") or "")))
         except UserError as error:
             refused.append(f"{name}: {error}")
-            continue
-        numbers = Listed._fields[2:-1]
-        if isinstance(values, Mapping) and all(isinstance(values.get(field), int | float) for field in numbers):
-            found.append(Listed.of(name, "conf/panel", values, str(values.get("technology") or "")))
     return found, refused
 
 
