@@ -10,6 +10,7 @@ import pyarrow.parquet as pq
 import pytest
 
 from pipeline.__main__ import main
+from pipeline.commands.expected import Recorded
 from pipeline.kernel import digest
 
 
@@ -22,7 +23,7 @@ def _run(root: Path, values: list[float], run: str = "run") -> Path:
         {"path": f"results/study/{run}/{name}", "sha256": digest.of_file(folder / name)}
         for name in ("trace.parquet", "found.json")
     ]
-    (folder / "manifest.json").write_text(json.dumps({"study": "study", "run": run, "artefacts": shown}))
+    (folder / "manifest.json").write_text(json.dumps({"study": "study", "run": run, "artefacts": shown, "nodes": {}}))
     return folder
 
 
@@ -144,6 +145,16 @@ def test_all_sweeps_all_of_a_study_and_all_results_are_compared_whole(
     folder = sweeps[0].parents[above]
     assert _compare(folder, folder) == 0
     assert f"{artefacts} artefacts equal, 0 differ" in capsys.readouterr().out
+
+
+def test_what_is_expected_of_results_with_sweeps_is_read(sweeps: tuple[Path, Path]) -> None:
+    runs = Recorded.of(sweeps[0].parents[2]).runs
+    assert set(runs) == {"study/run", "study/sweeps/one", "study/sweeps/two"}
+    assert set(runs["study/sweeps/one"]["sha256"]) == {
+        "results/trace.parquet",
+        "results/found.json",
+        "reports/index.html",
+    }
 
 
 def test_a_manifest_that_lists_what_is_not_of_its_run_is_refused(

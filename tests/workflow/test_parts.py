@@ -98,7 +98,7 @@ def test_parts_are_compared(tmp_path: Path, capsys: pytest.CaptureFixture[str]) 
 def test_a_report_on_parts_says_what_to_do(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(tmp_path)
     published(tmp_path / "results/s/r", ".charges", trace="1")
-    told = r"run 's/r': only parts of it are here \(charges\), and no verdicts; all of it: snakemake --cores 2 s"
+    told = r"run 's/r': only parts of it are here \(charges\); to make all of it: python -m pipeline study=s$"
     for name in ("s/r", "results/s/r/"):
         with pytest.raises(UserError, match=told):
             report.main([name])

@@ -143,7 +143,7 @@ def _unpublished(run: str) -> str:
         return f"run {run!r}: not published here; {best_matches(run, known)}"
     manifest = json.loads(parts[0].read_text(encoding="utf-8"))
     made = ", ".join(path.name.split(".", 1)[1].removesuffix(".json") for path in parts)
-    whole = typed(shlex.join([f"study={study}", *manifest["overrides"]]))
+    whole = typed(shlex.join([f"study={study}", *manifest.get("overrides", ())]))
     return f"run {run!r}: only parts of it are here ({made}); to make all of it: {whole}"
 
 
