@@ -15,9 +15,6 @@ from pipeline.charge.state import DEPTH
 from pipeline.charge.summary import Ends, Quantity, numbers, quantities
 from pipeline.charge.task import Task
 
-# Column of a sample.
-_ENERGY_IN_WH = 6
-
 
 class Ended:
     """Charges of a lot that have ended.
@@ -56,7 +53,7 @@ class Ended:
     def _drawn_j(self, row: int) -> float:
         begin = int(self.lot.begin[row, SAMPLES])
         samples = self.lot.samples[begin : begin + int(self.lot.filled[row, 0])]
-        return self._tasks[row].supply.drawn_j(samples[:, 0], samples[:, _ENERGY_IN_WH] * 3600.0)
+        return self._tasks[row].supply.drawn_of(samples)
 
     def _told(self, row: int, outcome: Callable[[], Outcome]) -> tuple[str, str]:
         """Return what ended a charge, and what it did not reach; the same for all that ran alike and missed no goal."""

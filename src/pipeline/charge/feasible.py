@@ -284,7 +284,7 @@ def _dropped(name: str, currents: Mapping[str, float], battery: Battery, soc: fl
     if not key or not math.isfinite(currents[key]):
         return
     drop_v = battery.cells_in_series * value_of(battery.series_resistance_ohm, soc) * currents[key] / battery.scale
-    own_v = battery.cells_in_series * value_of(battery.open_circuit_voltage_v, soc)
+    own_v = resting_voltage_v(battery, soc, _CARD_C)
     if drop_v > _LARGE_DROP * own_v:
         yield (
             f"phases.{name}.{key}: {currents[key]:.4g} A takes {drop_v:.3g} V over the series resistance of "

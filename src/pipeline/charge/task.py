@@ -16,6 +16,9 @@ from pipeline.charge.outcome import Columns, Outcome, phases, trace, waveform
 from pipeline.charge.records import ChargeSettings, EngineSettings, Mode
 from pipeline.charge.summary import Quantity, summarise
 
+# Column of a sample.
+_ENERGY_IN_WH = 6
+
 
 class Supply(NamedTuple):
     """Power available at the battery's terminals, constant from each time to the next; inf is a bench supply.
@@ -29,6 +32,10 @@ class Supply(NamedTuple):
     power_w: NDArray[np.float64]
     drawn_per_w: NDArray[np.float64] | None = None
     side_w: NDArray[np.float64] | None = None
+
+    def drawn_of(self, samples: NDArray[np.float64]) -> float:
+        """Return the energy drawn at the source over a charge [J], from its samples."""
+        return self.drawn_j(samples[:, 0], samples[:, _ENERGY_IN_WH] * 3600.0)
 
     def drawn_j(self, time_s: NDArray[np.float64], put_in_j: NDArray[np.float64]) -> float:
         """Return the energy drawn at the source over a charge [J].
@@ -113,5 +120,4 @@ class Charge:
         if self._summarised is not None:
             return self._summarised()
         done, samples = self._outcome, self._outcome.book.samples[: self._outcome.book.filled[0]]
-        drawn_j = self._task.supply.drawn_j(samples[:, 0], samples[:, 6] * 3600.0)
-        return summarise(done, self._task.settings, drawn_j)
+        return summarise(done, self._task.settings, self._task.supply.drawn_of(samples))

@@ -145,15 +145,15 @@ def spelled(word: str) -> Iterator[str]:
     lexer.removeErrorListeners()
     tokens = lexer.getAllTokens()
     kinds = [token.type for token in tokens]
+    equal = kinds.index(OverrideLexer.EQUAL) if OverrideLexer.EQUAL in kinds else len(kinds)
     braces = 0
-    for place in range(
-        kinds.index(OverrideLexer.EQUAL) + 1 if OverrideLexer.EQUAL in kinds else len(kinds), len(kinds)
+    for before, token, after in zip(
+        kinds[equal:], tokens[equal + 1 :], [*kinds[equal + 2 :], OverrideLexer.COMMA], strict=False
     ):
-        braces += (kinds[place] == OverrideLexer.BRACE_OPEN) - (kinds[place] == OverrideLexer.BRACE_CLOSE)
+        braces += (token.type == OverrideLexer.BRACE_OPEN) - (token.type == OverrideLexer.BRACE_CLOSE)
         beside = {OverrideLexer.COMMA} | ({OverrideLexer.COLON} if braces else set())
-        after = kinds[place + 1] if place + 1 < len(kinds) else OverrideLexer.COMMA
-        if kinds[place] in _SCALARS and kinds[place - 1] in _OPENING | beside and after in _CLOSING | beside:
-            yield tokens[place].text
+        if token.type in _SCALARS and before in _OPENING | beside and after in _CLOSING | beside:
+            yield token.text
 
 
 def runs_of(word: Override) -> int:

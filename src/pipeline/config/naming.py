@@ -39,14 +39,15 @@ def _plain(part: str) -> tuple[str, bool]:
 
     Of a file that is named from the root the last word stands for the whole.
     """
-    near = _FOLDERS.sub("", part.lstrip("+"))
+    bare = part.lstrip("+")
+    near = _FOLDERS.sub("", bare)
     text = near.replace("/", ".").replace("'", "").replace('"', "").replace(" ", "")
     key, sign, value = text.partition("=")
     if value[:1] == "[" and value[-1:] == "]" and not set("[]+{}") & set(value[1:-1]):
         # A list without lists in it.
         text = f"{key}{sign}{value[1:-1].replace(',', '+')}"
     found = _UNUSUAL.sub("-", text)
-    return found, found == text and near == part.lstrip("+")
+    return found, found == text and near == bare
 
 
 def short(keys: Iterable[str], tree: Mapping[str, Any]) -> dict[str, str]:

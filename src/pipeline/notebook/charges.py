@@ -213,10 +213,10 @@ def _mode(mode: str | Mode, battery: str | Battery, knobs: Mapping[str, Any]) ->
         if knob not in known:
             raise _unknown(knob, known)
     for follower, leader in (read.followers(name) if read is not None else {}).items():
-        for form in (leader, _other_form(leader)):
-            own = follower if form == leader else _other_form(follower)
-            if form in knobs and not {follower, _other_form(follower)} & set(knobs):
-                knobs = {**knobs, own: knobs[form]}
+        # In the unit that the other is given in.
+        forms = {leader: follower, _other_form(leader): _other_form(follower)}
+        if not set(forms.values()) & set(knobs):
+            knobs = {**knobs, **{own: knobs[form] for form, own in forms.items() if form in knobs}}
     if not knobs:
         return (named.mode(mode, beside) if isinstance(mode, str) else mode), values
     replaced = {_other_form(knob) for knob in knobs}

@@ -9,7 +9,7 @@ from typing import Any
 from pydantic import Field
 
 from pipeline.errors import UserError
-from pipeline.experiments.own_battery.records import Fit, Measured
+from pipeline.experiments.own_battery.records import Fit, Measured, names_of
 from pipeline.experiments.own_battery.tables import CHARGES, FITTED, FITTED_NUMBERS, READ
 from pipeline.kernel.draft import plain, untitled
 from pipeline.kernel.experiment import Effort, Experiment, Label, Node, Step
@@ -120,7 +120,7 @@ def check(study: Any) -> None:
     if twice is not None:
         raise UserError(f"measured.more: {twice!r} is named twice; each file counts once")
     for name in chosen.held_out.files:
-        named = [file for file in measured.files if name in (file, Path(file).name)]
+        named = [file for file in measured.files if name in names_of(file)]
         if not named:
             raise UserError(f"own_battery.held_out.files: {name!r} is none of {', '.join(measured.files)}")
         if len(named) > 1:

@@ -66,6 +66,11 @@ class Measured(OwnFile):
 Share = Annotated[float, Field(ge=0, le=1)]
 
 
+def names_of(file: str) -> tuple[str, str]:
+    """Return by what a file may be named: its path as it is given, and the last word of that."""
+    return file, Path(file).name
+
+
 class HeldOut(Record):
     """What the fit may not see until it is done."""
 
@@ -83,7 +88,7 @@ class HeldOut(Record):
 
     def takes(self, file: str) -> bool:
         """Tell whether a file is held out whole."""
-        return file in self.files or Path(file).name in self.files
+        return any(name in self.files for name in names_of(file))
 
 
 class Fit(Record):
